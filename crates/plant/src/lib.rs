@@ -1,0 +1,13 @@
+//! Plants: what the controller rides on. Bicycles, riders, tyres, roads, motors, batteries and
+//! sensors, and their fixed-step integration. No clock, no thread, no randomness of its own.
+
+pub mod disturbance;
+pub mod integrate;
+pub mod motor;
+pub mod multibody;
+pub mod road;
+pub mod scalar;
+pub mod sensor;
+pub mod tyre;
+
+pub use scalar::Scalar;

@@ -1,0 +1,131 @@
+//! The number type of the physics: `f64`, dual numbers (exact derivatives) and SIMD lanes run the
+//! same source.
+
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// What the physics needs of a number.
+///
+/// Functions are those of the `libm` crate, so that results are the same bits on every machine.
+/// Branches are written as `select(condition, then, otherwise)` on the sign of a number, so that
+/// lanes can take different ways.
+pub trait Scalar:
+    Copy
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// A constant.
+    fn from_f64(value: f64) -> Self;
+    /// The value without derivatives; of lanes, the first.
+    fn value(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self);
+    /// Arc tangent.
+    fn atan(self) -> Self;
+    /// Angle of the point (`x`, `self`).
+    fn atan2(self, x: Self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// `then` where `self` > 0, else `otherwise`.
+    fn select(self, then: Self, otherwise: Self) -> Self;
+
+    /// Sine.
+    #[inline]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+    /// Cosine.
+    #[inline]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+    /// Magnitude.
+    #[inline]
+    fn abs(self) -> Self {
+        self.select(self, -self)
+    }
+    /// The larger of two.
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        (self - other).select(self, other)
+    }
+    /// The smaller of two.
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        (other - self).select(self, other)
+    }
+    /// Within `[low, high]`.
+    #[inline]
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+    /// `self` squared.
+    #[inline]
+    fn squared(self) -> Self {
+        self * self
+    }
+    /// `self` times a constant.
+    #[inline]
+    fn scale(self, factor: f64) -> Self {
+        self * Self::from_f64(factor)
+    }
+    /// Zero.
+    #[inline]
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+    /// One.
+    #[inline]
+    fn one() -> Self {
+        Self::from_f64(1.0)
+    }
+}
+
+impl Scalar for f64 {
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
+    }
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        libm::sincos(self)
+    }
+    #[inline]
+    fn atan(self) -> Self {
+        libm::atan(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2(self, x)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+    #[inline]
+    fn tanh(self) -> Self {
+        libm::tanh(self)
+    }
+    #[inline]
+    fn select(self, then: Self, otherwise: Self) -> Self {
+        if self > 0.0 { then } else { otherwise }
+    }
+}

@@ -1,0 +1,144 @@
+//! Modes and health flags of the controller: every fault has a code, a cause, what the rider is
+//! told, and how it clears.
+
+/// What the stabilizer is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Mode {
+    /// Switched off by the rider or by configuration; no torque.
+    #[default]
+    Off = 0,
+    /// Switched on and healthy; conditions for torque are not met (too slow, too fast).
+    Ready = 1,
+    /// The pair is applied.
+    Active = 2,
+    /// A sensor is missing; the pair is reduced or ramped out.
+    Degraded = 3,
+    /// No torque until the fault clears.
+    Fault = 4,
+}
+
+impl Mode {
+    /// The mode with number `value`; an unknown number counts as `Fault`.
+    pub const fn from_u32(value: u32) -> Self {
+        match value {
+            0 => Self::Off,
+            1 => Self::Ready,
+            2 => Self::Active,
+            3 => Self::Degraded,
+            _ => Self::Fault,
+        }
+    }
+
+    /// The name as logs and reports print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Ready => "ready",
+            Self::Active => "active",
+            Self::Degraded => "degraded",
+            Self::Fault => "fault",
+        }
+    }
+}
+
+/// A set of health flags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Health(u32);
+
+/// One line of the table of health flags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HealthEntry {
+    /// The flag.
+    pub flag: Health,
+    /// Stable code, as logged.
+    pub code: &'static str,
+    /// What raises it.
+    pub cause: &'static str,
+    /// What the display on the bar says.
+    pub told: &'static str,
+    /// How it clears.
+    pub clears: &'static str,
+}
+
+macro_rules! health_flags {
+    ($($(#[$doc:meta])* $name:ident = $bit:literal, $code:literal, $cause:literal, $told:literal, $clears:literal;)*) => {
+        impl Health {
+            $($(#[$doc])* pub const $name: Health = Health(1 << $bit);)*
+            /// Every flag with its meaning.
+            pub const TABLE: &'static [HealthEntry] = &[$(HealthEntry {
+                flag: Health::$name, code: $code, cause: $cause, told: $told, clears: $clears,
+            },)*];
+        }
+    };
+}
+
+health_flags! {
+    /// No fresh frame from the bicycle.
+    LINK_LOST = 0, "link_lost", "no frame from the bicycle for longer than the link limit", "stabilizer lost contact", "fresh frames for one second";
+    /// Roll is unknown.
+    ROLL_MISSING = 1, "roll_missing", "neither roll nor gyro samples are fresh and finite", "balance sensor missing", "fresh samples for one second";
+    /// Steer is unknown.
+    STEER_MISSING = 2, "steer_missing", "steer samples are stale, not finite or beyond the steering stop", "steer sensor missing", "fresh samples for one second";
+    /// Speed is unknown.
+    SPEED_MISSING = 3, "speed_missing", "wheel-speed samples are stale, not finite or beyond the range", "speed sensor missing", "fresh samples for one second";
+    /// The rider's wishes are unknown.
+    INTENT_MISSING = 4, "intent_missing", "brake, pedal and switch readings are stale or not finite", "brake sensor missing", "fresh readings for one second";
+    /// Time went backwards or jumped.
+    TIME_JUMP = 5, "time_jump", "the tick's time did not advance, or advanced by more than the link limit", "stabilizer clock fault", "regular ticks for one second";
+    /// The configuration breaks a limit of the guard.
+    CONFIG_REFUSED = 6, "config_refused", "the schedule or a limit is not finite, not ordered or beyond the hard limits", "stabilizer not configured", "a valid configuration and a restart";
+    /// The bicycle lies on its side.
+    FALLEN = 7, "fallen", "roll is beyond the fall limit", "fallen: switch off and on", "upright for one second";
+}
+
+impl Health {
+    /// Nothing to report.
+    pub const OK: Health = Health(0);
+
+    /// The bits, as sent.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Flags from bits as received; unknown bits are kept, so that a newer peer is not hidden.
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// Both sets together.
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// `self` without `other`.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// True if any flag of `other` is raised.
+    pub const fn any(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// True if nothing is raised.
+    pub const fn is_ok(self) -> bool {
+        self.0 == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_flag_is_one_bit_of_its_own_with_words() {
+        let mut seen = 0;
+        for entry in Health::TABLE {
+            assert_eq!(entry.flag.bits().count_ones(), 1, "{}", entry.code);
+            assert_eq!(seen & entry.flag.bits(), 0, "{} shares a bit", entry.code);
+            seen |= entry.flag.bits();
+            assert!(!entry.cause.is_empty() && !entry.told.is_empty() && !entry.clears.is_empty());
+        }
+    }
+}
