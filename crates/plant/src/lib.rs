@@ -5,6 +5,8 @@ pub mod disturbance;
 pub mod integrate;
 pub mod motor;
 pub mod multibody;
+pub mod noise;
+pub mod rider;
 pub mod road;
 pub mod scalar;
 pub mod sensor;
