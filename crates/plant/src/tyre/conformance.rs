@@ -1,0 +1,1 @@
+//! What every tyre must do, run over the whole registry.
