@@ -1,1 +1,31 @@
-//! linear
+#![forbid(unsafe_code)]
+//! The Whipple-Carvallo benchmark bicycle: parameters, linearised equations, modes, and the speeds
+//! at which they become stable or unstable.
+//!
+//! ```
+//! use twinhub_linear::{Bicycle, Canonical, MotorPair};
+//! let bicycle = Bicycle::load("meijaard2007_benchmark")?;
+//! let equations = Canonical::new(&bicycle)?;
+//! let pair = MotorPair::balanced(20.0, &bicycle);
+//! let a = equations.state_matrix(5.0, pair);
+//! assert_eq!(a[(0, 2)], 1.0);
+//! # Ok::<(), twinhub_linear::BicycleError>(())
+//! ```
+
+mod benchmark_file;
+mod bicycle;
+mod bulsink;
+mod canonical;
+mod error;
+mod load;
+mod motor_pair;
+mod parameters;
+mod rigid_body;
+pub mod sets;
+mod validate;
+
+pub use bicycle::Bicycle;
+pub use canonical::Canonical;
+pub use error::BicycleError;
+pub use motor_pair::MotorPair;
+pub use parameters::{Parameters, SYMBOLS, unit};
