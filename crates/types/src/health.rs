@@ -89,7 +89,7 @@ health_flags! {
     /// The configuration breaks a limit of the guard.
     CONFIG_REFUSED = 6, "config_refused", "the schedule or a limit is not finite, not ordered or beyond the hard limits", "stabilizer not configured", "a valid configuration and a restart";
     /// The bicycle lies on its side.
-    FALLEN = 7, "fallen", "roll is beyond the fall limit", "fallen: switch off and on", "upright for one second";
+    FALLEN = 7, "fallen", "roll is beyond the fall limit", "fallen: no torque until upright", "upright for one second";
 }
 
 impl Health {
@@ -127,6 +127,85 @@ impl Health {
     }
 }
 
+/// A set of limits that held a command back in one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct LimitedBy(u32);
+
+/// One line of the table of limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LimitEntry {
+    /// The limit.
+    pub limit: LimitedBy,
+    /// Stable code, as logged.
+    pub code: &'static str,
+    /// What it does to the command.
+    pub effect: &'static str,
+}
+
+macro_rules! limits {
+    ($($(#[$doc:meta])* $name:ident = $bit:literal, $code:literal, $effect:literal;)*) => {
+        impl LimitedBy {
+            $($(#[$doc])* pub const $name: LimitedBy = LimitedBy(1 << $bit);)*
+            /// Every limit with its effect.
+            pub const TABLE: &'static [LimitEntry] = &[$(LimitEntry {
+                limit: LimitedBy::$name, code: $code, effect: $effect,
+            },)*];
+        }
+    };
+}
+
+limits! {
+    /// The largest torque of profile and configuration.
+    MAGNITUDE = 0, "magnitude", "torque held at the largest of profile and configuration";
+    /// The slow ramp.
+    RAMP = 1, "ramp", "torque still on its way to the demand";
+    /// Friction and load at the wheels.
+    FRICTION = 2, "friction", "torque held inside the friction ellipses, at once";
+    /// The thermal average of motor power.
+    POWER = 3, "power", "torque held so that the average power stays below its limit";
+    /// A brake lever is pulled.
+    LEVER = 4, "lever", "no torque, at once";
+    /// A wheel slips.
+    SLIP = 5, "slip", "no torque, at once, and for a second after";
+    /// A wheel stands still or rolls backwards.
+    STANDSTILL = 6, "standstill", "no braking torque on that wheel, at once";
+    /// Assistance is not allowed: no pedalling, or above 25 km/h.
+    NET_DRIVE = 7, "net_drive", "rear torque no larger than what balances the front, at once";
+    /// The mode allows no torque, or less.
+    MODE = 8, "mode", "torque ramped out or reduced";
+    /// Nothing fresh from the bicycle.
+    LINK = 9, "link", "torque ramped out within 200 ms";
+    /// Wheel speeds unknown to the guard.
+    BLIND = 10, "blind", "torque ramped out within half a second";
+    /// The rider's wishes unknown to the guard.
+    INTENT = 11, "intent", "torque ramped out slowly";
+}
+
+impl LimitedBy {
+    /// Nothing held the command back.
+    pub const NONE: LimitedBy = LimitedBy(0);
+
+    /// The bits, as sent.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Limits from bits as received; unknown bits are kept.
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// Both sets together.
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// True if any limit of `other` held the command back.
+    pub const fn any(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +218,17 @@ mod tests {
             assert_eq!(seen & entry.flag.bits(), 0, "{} shares a bit", entry.code);
             seen |= entry.flag.bits();
             assert!(!entry.cause.is_empty() && !entry.told.is_empty() && !entry.clears.is_empty());
+        }
+    }
+
+    #[test]
+    fn every_limit_is_one_bit_of_its_own_with_words() {
+        let mut seen = 0;
+        for entry in LimitedBy::TABLE {
+            assert_eq!(entry.limit.bits().count_ones(), 1, "{}", entry.code);
+            assert_eq!(seen & entry.limit.bits(), 0, "{} shares a bit", entry.code);
+            seen |= entry.limit.bits();
+            assert!(!entry.effect.is_empty());
         }
     }
 }

@@ -10,7 +10,7 @@ mod registry;
 pub mod time;
 pub mod wire;
 
-pub use health::{Health, HealthEntry, Mode};
+pub use health::{Health, HealthEntry, LimitEntry, LimitedBy, Mode};
 pub use messages::{
     Command, ControllerFrame, Estimate, Header, ImuSample, Measurement, MotorSample, Output,
     PlantFrame, RideState, RiderIntent, RollSample, SteerSample, WheelSample,

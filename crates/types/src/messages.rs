@@ -218,7 +218,7 @@ message! {
         pub mode: u32,
         /// Bits of [`Health`](crate::Health).
         pub health: u32,
-        /// Bits of the limits that held the command back in this tick (see the guard).
+        /// Bits of [`LimitedBy`](crate::LimitedBy): what held the command back in this tick.
         pub limited_by: u32,
         /// The state that the command rests on.
         pub estimate: Estimate,
@@ -251,25 +251,43 @@ message! {
 
 impl Default for ImuSample {
     fn default() -> Self {
-        Self { stamp_ns: NEVER_NS, gyro_rad_s: [0.0; 3], accel_m_s2: [0.0; 3] }
+        Self {
+            stamp_ns: NEVER_NS,
+            gyro_rad_s: [0.0; 3],
+            accel_m_s2: [0.0; 3],
+        }
     }
 }
 
 impl Default for RollSample {
     fn default() -> Self {
-        Self { stamp_ns: NEVER_NS, roll_rad: 0.0, roll_rate_rad_s: 0.0 }
+        Self {
+            stamp_ns: NEVER_NS,
+            roll_rad: 0.0,
+            roll_rate_rad_s: 0.0,
+        }
     }
 }
 
 impl Default for SteerSample {
     fn default() -> Self {
-        Self { stamp_ns: NEVER_NS, steer_rad: 0.0, steer_rate_rad_s: 0.0 }
+        Self {
+            stamp_ns: NEVER_NS,
+            steer_rad: 0.0,
+            steer_rate_rad_s: 0.0,
+        }
     }
 }
 
 impl Default for WheelSample {
     fn default() -> Self {
-        Self { stamp_ns: NEVER_NS, front_rad_s: 0.0, rear_rad_s: 0.0, speed_m_s: 0.0, reserved: 0 }
+        Self {
+            stamp_ns: NEVER_NS,
+            front_rad_s: 0.0,
+            rear_rad_s: 0.0,
+            speed_m_s: 0.0,
+            reserved: 0,
+        }
     }
 }
 

@@ -1,0 +1,291 @@
+//! Roll, roll rate, steer, steer rate, speed and yaw rate, with uncertainty.
+//!
+//! # What
+//! An extended Kalman filter of roll and gyro bias, driven by the roll gyro, corrected by measured
+//! roll where that exists and by the accelerometer otherwise. Speed is the median of speedometer
+//! and both wheels; steer comes from its encoder, differentiated if the encoder gives no rate.
+//!
+//! # Equation
+//! In body axes (x forward, y right, z down), pitch and bounce left out:
+//! `phi' = p - b`, `psi' = r cos(phi) + q sin(phi)`, `a_y = v psi' cos(phi) - g sin(phi)`.
+//! Without a gyro, `psi' = v tan(delta) cos(lambda) / w`.
+//!
+//! # Source
+//! Rigid-body kinematics; the centripetal correction is that of Boniolo, Tanelli, Savaresi (2008),
+//! "Roll angle estimation in two-wheeled vehicles", CCA. Noise densities are guesses, see below.
+//!
+//! # Assumes and ignores
+//! Pitch, bounce, the distance of the accelerometer from the ground (its `h phi''` is counted as
+//! noise) and the lean of the road (roll is against gravity). Wheels roll without slip, except
+//! that the median bears one wheel that does not.
+//!
+//! # Valid for
+//! Roll up to 1.2 rad. Beyond, the estimate stays finite and the supervisor calls it a fall.
+//!
+//! # Checked by
+//! `a_coordinated_turn_*`, `a_gyro_bias_*` below: 0.01 rad.
+
+use twinhub_types::{Estimate, ImuSample, NEVER_NS, RollSample, SteerSample};
+
+use crate::clock::Tick;
+use crate::config::Bicycle;
+use crate::senses::{RATE_MAX_RAD_S, Seen, span_s, within};
+
+const GRAVITY_M_S2: f32 = 9.81;
+/// Standard deviation of a roll sensor, rad (guess: 0.3 degrees).
+const ROLL_SENSOR_SD_RAD: f32 = 0.005;
+/// Random walk of roll under the gyro, rad²/s (guess: 0.3 degrees per root second).
+const GYRO_DENSITY_RAD2_S: f32 = 2.5e-5;
+/// Random walk of the gyro's bias, rad²/s³ (guess).
+const BIAS_DENSITY_RAD2_S3: f32 = 2.5e-7;
+/// Random walk of roll while no gyro tells its rate, rad²/s (guess: 0.3 rad/s for a second).
+const BLIND_DENSITY_RAD2_S: f32 = 0.1;
+/// What lateral specific force carries besides roll, m²/s³ (guess: 0.5 m/s² correlated over 0.2 s).
+const ACCEL_DENSITY_M2_S3: f32 = 0.1;
+/// Standard deviation of speed while wheels and speedometer agree, m/s (guess).
+const SPEED_SD_M_S: f32 = 0.05;
+/// How fast a speed that is not measured becomes uncertain, m/s².
+const SPEED_DRIFT_M_S2: f32 = 2.0;
+/// Time constant of the differentiated steer angle and roll, s.
+const DIFFERENCE_TAU_S: f32 = 0.01;
+
+const ROLL_VARIANCE_MAX_RAD2: f32 = 1.0;
+const BIAS_VARIANCE_MAX_RAD2_S2: f32 = 0.01;
+const BIAS_MAX_RAD_S: f32 = 0.2;
+
+/// The estimator's memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimator {
+    wheelbase_m: f32,
+    steer_tilt_cos: f32,
+    front_wheel_radius_m: f32,
+    rear_wheel_radius_m: f32,
+    x: Estimate,
+    bias_rad_s: f32,
+    // Covariance of roll and bias.
+    p11: f32,
+    p12: f32,
+    p22: f32,
+    imu_ns: u64,
+    roll: Difference,
+    steer: Difference,
+}
+
+impl Estimator {
+    /// An estimator that knows nothing yet.
+    pub fn new(bicycle: &Bicycle) -> Self {
+        Self {
+            wheelbase_m: bicycle.wheelbase_m,
+            steer_tilt_cos: libm::cosf(bicycle.steer_tilt_rad),
+            front_wheel_radius_m: bicycle.front_wheel_radius_m,
+            rear_wheel_radius_m: bicycle.rear_wheel_radius_m,
+            x: Estimate {
+                roll_sd_rad: 1.0,
+                speed_sd_m_s: 30.0,
+                ..Estimate::default()
+            },
+            bias_rad_s: 0.0,
+            p11: 0.1,
+            p12: 0.0,
+            p22: 1e-3,
+            imu_ns: NEVER_NS,
+            roll: Difference::default(),
+            steer: Difference::default(),
+        }
+    }
+
+    /// The estimate at this tick. Finite whatever comes in.
+    pub fn update(&mut self, tick: &Tick, seen: &Seen) -> Estimate {
+        self.speed(tick, seen);
+        self.steer(seen);
+        self.yaw(seen);
+        self.predict(tick, seen);
+        if let Some(sample) = &seen.imu {
+            self.correct_by_accelerometer(sample);
+        }
+        if let Some(sample) = &seen.roll {
+            self.correct_by_roll(sample);
+        }
+        self.keep_sound();
+        self.x.roll_sd_rad = libm::sqrtf(self.p11);
+        self.x
+    }
+
+    /// Median of speedometer and wheels; held while there is none.
+    fn speed(&mut self, tick: &Tick, seen: &Seen) {
+        let Some(wheels) = &seen.wheels else {
+            let grown_m_s = self.x.speed_sd_m_s + SPEED_DRIFT_M_S2 * tick.debit_s;
+            self.x.speed_sd_m_s = grown_m_s.min(30.0);
+            return;
+        };
+        let front_m_s = wheels.front_rad_s * self.front_wheel_radius_m;
+        let rear_m_s = wheels.rear_rad_s * self.rear_wheel_radius_m;
+        let (low, high) = (front_m_s.min(rear_m_s), front_m_s.max(rear_m_s));
+        self.x.speed_m_s = wheels.speed_m_s.max(low).min(high);
+        let spread_m_s = high.max(wheels.speed_m_s) - low.min(wheels.speed_m_s);
+        self.x.speed_sd_m_s = SPEED_SD_M_S + 0.5 * spread_m_s;
+    }
+
+    fn steer(&mut self, seen: &Seen) {
+        let Some(SteerSample {
+            stamp_ns,
+            steer_rad,
+            steer_rate_rad_s,
+        }) = seen.steer
+        else {
+            self.x.steer_rate_rad_s = 0.0;
+            return;
+        };
+        self.x.steer_rad = steer_rad;
+        let difference_rad_s = self.steer.rate(stamp_ns, steer_rad);
+        self.x.steer_rate_rad_s = if within(steer_rate_rad_s, RATE_MAX_RAD_S) {
+            steer_rate_rad_s
+        } else {
+            difference_rad_s
+        };
+    }
+
+    /// Yaw rate from the gyro, else from steer and speed.
+    fn yaw(&mut self, seen: &Seen) {
+        self.x.yaw_rate_rad_s = match &seen.imu {
+            Some(ImuSample {
+                gyro_rad_s: [_, q, r],
+                ..
+            }) => r * libm::cosf(self.x.roll_rad) + q * libm::sinf(self.x.roll_rad),
+            None => {
+                let turn = libm::tanf(self.x.steer_rad * self.steer_tilt_cos);
+                let rate_rad_s = self.x.speed_m_s * turn / self.wheelbase_m;
+                rate_rad_s.max(-RATE_MAX_RAD_S).min(RATE_MAX_RAD_S)
+            }
+        };
+    }
+
+    /// Roll moves with the best rate there is.
+    fn predict(&mut self, tick: &Tick, seen: &Seen) {
+        let dt = tick.credit_s;
+        if let Some(ImuSample {
+            gyro_rad_s: [p, _, _],
+            ..
+        }) = &seen.imu
+        {
+            self.x.roll_rate_rad_s = p - self.bias_rad_s;
+            self.x.roll_rad += self.x.roll_rate_rad_s * dt;
+            self.p11 += dt * (GYRO_DENSITY_RAD2_S - 2.0 * self.p12 + dt * self.p22);
+            self.p12 -= dt * self.p22;
+            self.p22 += dt * BIAS_DENSITY_RAD2_S3;
+            return;
+        }
+        self.p11 += dt * BLIND_DENSITY_RAD2_S;
+        let Some(RollSample {
+            stamp_ns,
+            roll_rad,
+            roll_rate_rad_s,
+        }) = seen.roll
+        else {
+            self.x.roll_rate_rad_s = 0.0;
+            return;
+        };
+        let difference_rad_s = self.roll.rate(stamp_ns, roll_rad);
+        self.x.roll_rate_rad_s = if within(roll_rate_rad_s, RATE_MAX_RAD_S) {
+            roll_rate_rad_s
+        } else {
+            difference_rad_s
+        };
+        self.x.roll_rad += self.x.roll_rate_rad_s * dt;
+    }
+
+    /// `a_y = v psi' cos(phi) - g sin(phi)`, once per new sample.
+    fn correct_by_accelerometer(&mut self, sample: &ImuSample) {
+        let Some(dt) = span_s(self.imu_ns, sample.stamp_ns) else {
+            // The first sample, or the last one again; after a step back in time, the new one.
+            if self.imu_ns != sample.stamp_ns {
+                self.imu_ns = sample.stamp_ns;
+            }
+            return;
+        };
+        self.imu_ns = sample.stamp_ns;
+        let [_, q, r] = sample.gyro_rad_s;
+        let [_, a_y, _] = sample.accel_m_s2;
+        let v = self.x.speed_m_s;
+        let (sin, cos) = (libm::sinf(self.x.roll_rad), libm::cosf(self.x.roll_rad));
+        let yaw = r * cos + q * sin;
+        let expected = v * yaw * cos - GRAVITY_M_S2 * sin;
+        // d(expected)/d(phi)
+        let h = v * ((q * cos - r * sin) * cos - yaw * sin) - GRAVITY_M_S2 * cos;
+        let centripetal_sd = self.x.speed_sd_m_s * yaw;
+        let density = ACCEL_DENSITY_M2_S3 + 0.2 * centripetal_sd * centripetal_sd;
+        self.correct(a_y - expected, h, density / dt.max(1e-4).min(0.02));
+    }
+
+    fn correct_by_roll(&mut self, sample: &RollSample) {
+        let innovation = sample.roll_rad - self.x.roll_rad;
+        self.correct(innovation, 1.0, ROLL_SENSOR_SD_RAD * ROLL_SENSOR_SD_RAD);
+    }
+
+    /// Scalar Kalman update: `innovation = h (phi - phi_hat) + noise of variance r`.
+    fn correct(&mut self, innovation: f32, h: f32, r: f32) {
+        let s = h * h * self.p11 + r;
+        let (k1, k2) = (h * self.p11 / s, h * self.p12 / s);
+        self.x.roll_rad += k1 * innovation;
+        self.bias_rad_s += k2 * innovation;
+        self.p22 -= k2 * h * self.p12;
+        self.p12 -= k1 * h * self.p12;
+        self.p11 -= k1 * h * self.p11;
+    }
+
+    /// Bounds of what can be; a filter that left them starts again.
+    fn keep_sound(&mut self) {
+        let sum = self.x.roll_rad + self.bias_rad_s + self.p11 + self.p12 + self.p22;
+        if !sum.is_finite() {
+            self.x.roll_rad = 0.0;
+            self.bias_rad_s = 0.0;
+            (self.p11, self.p12, self.p22) =
+                (ROLL_VARIANCE_MAX_RAD2, 0.0, BIAS_VARIANCE_MAX_RAD2_S2);
+        }
+        self.x.roll_rad = self.x.roll_rad.max(-3.2).min(3.2);
+        self.bias_rad_s = self.bias_rad_s.max(-BIAS_MAX_RAD_S).min(BIAS_MAX_RAD_S);
+        self.p11 = self.p11.max(1e-8).min(ROLL_VARIANCE_MAX_RAD2);
+        self.p22 = self.p22.max(1e-10).min(BIAS_VARIANCE_MAX_RAD2_S2);
+        let most = libm::sqrtf(self.p11 * self.p22);
+        self.p12 = self.p12.max(-most).min(most);
+    }
+}
+
+/// Rate of a sampled angle: difference quotient through a first-order low pass.
+#[derive(Clone, Copy, Debug)]
+struct Difference {
+    stamp_ns: u64,
+    angle_rad: f32,
+    rate_rad_s: f32,
+}
+
+impl Default for Difference {
+    fn default() -> Self {
+        Self {
+            stamp_ns: NEVER_NS,
+            angle_rad: 0.0,
+            rate_rad_s: 0.0,
+        }
+    }
+}
+
+impl Difference {
+    /// The rate after this sample, rad/s; zero after the first and after a gap of 50 ms.
+    fn rate(&mut self, stamp_ns: u64, angle_rad: f32) -> f32 {
+        if stamp_ns == self.stamp_ns {
+            return self.rate_rad_s;
+        }
+        self.rate_rad_s = match span_s(self.stamp_ns, stamp_ns) {
+            Some(span_s) if span_s <= 0.05 => {
+                let raw_rad_s = (angle_rad - self.angle_rad) / span_s.max(1e-4);
+                let raw_rad_s = raw_rad_s.max(-RATE_MAX_RAD_S).min(RATE_MAX_RAD_S);
+                let share = span_s / (span_s + DIFFERENCE_TAU_S);
+                self.rate_rad_s + share * (raw_rad_s - self.rate_rad_s)
+            }
+            _ => 0.0,
+        };
+        self.stamp_ns = stamp_ns;
+        self.angle_rad = angle_rad;
+        self.rate_rad_s
+    }
+}

@@ -1,0 +1,393 @@
+//! The last word: lets no torque out that breaks a limit, whatever the other parts ask for.
+//!
+//! The guard reads time, sensors and levers itself, keeps its own clock, and trusts neither the
+//! estimate nor the request. What it promises, for any input bit pattern:
+//!
+//! * both torques are finite, within the largest torque, and the front one is never negative;
+//! * the pair grows no faster than the ramp up; it falls at once for a brake lever, a slipping
+//!   wheel, a wheel that stands still, and where friction or power leave less; else in the time
+//!   that the fault allows: `ramp_down_s` with a healthy torque path, [`BLIND_RAMP_S`] without
+//!   wheel speeds, [`LINK_RAMP_S`] on a lost link or a fault;
+//! * the wheels' forces never add up to drive unless the rider pedals, below 25 km/h;
+//! * no wheel is braked that does not turn forward;
+//! * the thermal average of each motor's power stays within the profile's.
+
+use twinhub_types::{Command, Instant, LimitedBy, Measurement, Mode, RiderIntent};
+
+use crate::clock::{Clock, Tick};
+use crate::config::{ASSIST_SPEED_MAX_M_S, Config, Profile};
+use crate::senses;
+
+/// From any torque to zero on a lost link or a fault, s. With the 20 ms until the loss is seen
+/// and a tick this stays below 200 ms.
+pub const LINK_RAMP_S: f32 = 0.15;
+/// From any torque to zero without wheel speeds, s: a locked wheel would not be noticed.
+pub const BLIND_RAMP_S: f32 = 0.5;
+/// A brake lever that is pulled further than this ends the pair at once.
+pub const LEVER_THRESHOLD_RATIO: f32 = 0.02;
+/// Slip beyond this share of the speed, plus [`SLIP_MARGIN_M_S`], ends the pair at once.
+pub const SLIP_RATIO: f32 = 0.15;
+/// Slip speed that is always tolerated, m/s.
+pub const SLIP_MARGIN_M_S: f32 = 0.3;
+/// How long a slip keeps the pair away, s.
+pub const SLIP_HOLD_S: f32 = 1.0;
+/// A wheel whose tread is slower than this is not braked, m/s.
+pub const STANDSTILL_M_S: f32 = 0.3;
+/// Thermal time constant of a hub motor, s (guess).
+pub const THERMAL_TAU_S: f32 = 60.0;
+/// Power above the average limit per unused power below it, dimensionless; with the time
+/// constant it allows the peak for about five seconds and then eases it down.
+pub const PEAK_GAIN: f32 = 6.0;
+
+/// What the guard is asked to let out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Request {
+    /// Pair, Nm of the front motor.
+    pub pair_nm: f32,
+    /// Rear torque on top of what balances the front, Nm; negative brakes.
+    pub trim_nm: f32,
+    /// Largest pair that the tyres carry, Nm: holds at once.
+    pub pair_ceiling_nm: f32,
+    /// What has limited the request so far.
+    pub limited_by: LimitedBy,
+}
+
+/// The guard's limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GuardLimits {
+    /// Largest torque of either motor, Nm.
+    pub torque_max_nm: f32,
+    /// Fastest growth, Nm/s.
+    pub ramp_up_nm_s: f32,
+    /// From any torque to zero with a healthy torque path, s.
+    pub ramp_down_s: f32,
+    /// Largest thermal average of either motor's mechanical power, W.
+    pub power_average_max_w: Option<f32>,
+    /// Radius of the front wheel, m.
+    pub front_wheel_radius_m: f32,
+    /// Radius of the rear wheel, m.
+    pub rear_wheel_radius_m: f32,
+}
+
+impl GuardLimits {
+    /// No torque at all.
+    pub const ZERO: Self = Self {
+        torque_max_nm: 0.0,
+        ramp_up_nm_s: 1.0,
+        ramp_down_s: 1.0,
+        power_average_max_w: None,
+        front_wheel_radius_m: 0.3,
+        rear_wheel_radius_m: 0.3,
+    };
+
+    /// The limits of a configuration; [`ZERO`](Self::ZERO) if it breaks a rule.
+    pub fn new(config: &Config) -> Self {
+        if config.check().is_err() {
+            return Self::ZERO;
+        }
+        let profile: Profile = config.profile;
+        Self {
+            torque_max_nm: config.limits.torque_max_nm.min(profile.torque_max_nm()),
+            ramp_up_nm_s: config.limits.ramp_up_nm_s,
+            ramp_down_s: config.limits.ramp_down_s,
+            power_average_max_w: profile.power_average_max_w(),
+            front_wheel_radius_m: config.bicycle.front_wheel_radius_m,
+            rear_wheel_radius_m: config.bicycle.rear_wheel_radius_m,
+        }
+    }
+}
+
+/// The wheels as the guard sees them, tread speeds in m/s.
+#[derive(Clone, Copy, Debug)]
+struct Wheels {
+    front_m_s: f32,
+    rear_m_s: f32,
+    speed_m_s: f32,
+}
+
+/// The guard's memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Guard {
+    limits: GuardLimits,
+    clock: Clock,
+    /// What went out in the last tick: pair and trim, Nm.
+    pair_nm: f32,
+    trim_nm: f32,
+    /// The pair when it last did not fall, Nm: ramps down are timed from here.
+    onset_nm: f32,
+    slip_hold_s: f32,
+    /// Last known tread speeds, for power.
+    front_m_s: f32,
+    rear_m_s: f32,
+    power_w: f32,
+    power_average_w: f32,
+    limited_by: LimitedBy,
+}
+
+impl Guard {
+    /// A guard at rest.
+    pub fn new(limits: GuardLimits) -> Self {
+        Self {
+            limits,
+            clock: Clock::default(),
+            pair_nm: 0.0,
+            trim_nm: 0.0,
+            onset_nm: 0.0,
+            slip_hold_s: 0.0,
+            front_m_s: 0.0,
+            rear_m_s: 0.0,
+            power_w: 0.0,
+            power_average_w: 0.0,
+            limited_by: LimitedBy::NONE,
+        }
+    }
+
+    /// What held the last command back.
+    pub fn limited_by(&self) -> LimitedBy {
+        self.limited_by
+    }
+
+    /// The thermal average of the more loaded motor's mechanical power, W.
+    pub fn power_average_w(&self) -> f32 {
+        self.power_average_w
+    }
+
+    /// The command of this tick: `request` as far as the limits allow.
+    pub fn apply(
+        &mut self,
+        now: Instant,
+        meas: &Measurement,
+        rider: &RiderIntent,
+        mode: Mode,
+        request: &Request,
+    ) -> Command {
+        self.limited_by = request.limited_by;
+        let tick = self.clock.tick(now);
+        let wheels = self.wheels(now, meas);
+        let intent_known =
+            now.fresh(rider.stamp_ns, senses::INTENT_MAX_AGE) && senses::plausible_intent(rider);
+
+        let link = senses::link_alive(now, meas, rider);
+        let cut = self.must_cut(&tick, rider, wheels.as_ref());
+        let ceiling_nm = if cut {
+            0.0
+        } else {
+            self.ceiling_nm(&tick, request, wheels.as_ref())
+        };
+        let ramp_s = self.ramp_s(link, wheels.is_some(), mode);
+        let allowed = link
+            && wheels.is_some()
+            && intent_known
+            && matches!(mode, Mode::Active | Mode::Degraded);
+        self.say(LimitedBy::INTENT, !intent_known);
+        self.say(
+            LimitedBy::MODE,
+            !matches!(mode, Mode::Active | Mode::Degraded),
+        );
+
+        let wanted_nm = if allowed {
+            finite(request.pair_nm)
+        } else {
+            0.0
+        };
+        self.pair_nm = self.slew_pair(&tick, wanted_nm, ramp_s).min(ceiling_nm);
+        self.onset_nm = if self.pair_nm > 0.0 {
+            self.onset_nm.max(self.pair_nm)
+        } else {
+            0.0
+        };
+
+        let drive = intent_known
+            && rider.pedalling == 1
+            && wheels.is_some_and(|wheels| wheels.fastest_m_s() <= ASSIST_SPEED_MAX_M_S);
+        let wanted_nm = if allowed {
+            finite(request.trim_nm)
+        } else {
+            0.0
+        };
+        self.trim_nm = if cut {
+            0.0
+        } else {
+            self.slew_trim(&tick, wanted_nm, ramp_s, drive)
+        };
+
+        let command = self.command(wheels.as_ref());
+        let (front_rad_s, rear_rad_s) = self.rates_rad_s();
+        self.power_w =
+            (command.front_brake_nm * front_rad_s).max(command.rear_traction_nm.abs() * rear_rad_s);
+        command
+    }
+
+    fn say(&mut self, limit: LimitedBy, holds: bool) {
+        if holds {
+            self.limited_by = self.limited_by.with(limit);
+        }
+    }
+
+    /// Tread speeds of this very sample, if it is fresh and plausible.
+    fn wheels(&mut self, now: Instant, meas: &Measurement) -> Option<Wheels> {
+        let sample = &meas.wheels;
+        let known =
+            now.fresh(sample.stamp_ns, senses::WHEELS_MAX_AGE) && senses::plausible_wheels(sample);
+        if !known {
+            self.say(LimitedBy::BLIND, true);
+            return None;
+        }
+        let wheels = Wheels {
+            front_m_s: sample.front_rad_s * self.limits.front_wheel_radius_m,
+            rear_m_s: sample.rear_rad_s * self.limits.rear_wheel_radius_m,
+            speed_m_s: sample.speed_m_s,
+        };
+        self.front_m_s = wheels.front_m_s.abs();
+        self.rear_m_s = wheels.rear_m_s.abs();
+        Some(wheels)
+    }
+
+    /// True if the rider brakes or a wheel slips, now or within the last second.
+    fn must_cut(&mut self, tick: &Tick, rider: &RiderIntent, wheels: Option<&Wheels>) -> bool {
+        // However old the reading: a lever that was pulled is believed.
+        let lever = rider.front_brake_ratio > LEVER_THRESHOLD_RATIO
+            || rider.rear_brake_ratio > LEVER_THRESHOLD_RATIO;
+        self.slip_hold_s = (self.slip_hold_s - tick.credit_s).max(0.0);
+        if wheels.is_some_and(Wheels::slip) {
+            self.slip_hold_s = SLIP_HOLD_S;
+        }
+        let slip = self.slip_hold_s > 0.0;
+        self.say(LimitedBy::LEVER, lever);
+        self.say(LimitedBy::SLIP, slip);
+        lever || slip
+    }
+
+    /// The largest pair that may go out in this tick, Nm: holds at once.
+    fn ceiling_nm(&mut self, tick: &Tick, request: &Request, wheels: Option<&Wheels>) -> f32 {
+        let ratio = self.balance_ratio();
+        if wheels.is_some_and(|wheels| wheels.front_m_s < STANDSTILL_M_S) {
+            self.say(LimitedBy::STANDSTILL, request.pair_nm > 0.0);
+            return 0.0;
+        }
+        let most_nm = self
+            .limits
+            .torque_max_nm
+            .min(self.limits.torque_max_nm / ratio);
+        self.say(LimitedBy::MAGNITUDE, request.pair_nm > most_nm);
+        let power_nm = self.power_ceiling_nm(tick);
+        self.say(LimitedBy::POWER, request.pair_nm > power_nm);
+        // A ceiling that is no number is none that can be trusted.
+        let carried_nm = if request.pair_ceiling_nm > 0.0 {
+            request.pair_ceiling_nm
+        } else {
+            0.0
+        };
+        most_nm.min(power_nm).min(carried_nm)
+    }
+
+    /// `P <= P_c + k (P_c - P_average)`, so that the average approaches `P_c` and never passes it.
+    fn power_ceiling_nm(&mut self, tick: &Tick) -> f32 {
+        let Some(average_max_w) = self.limits.power_average_max_w else {
+            return f32::INFINITY;
+        };
+        let share = (tick.debit_s / THERMAL_TAU_S).min(1.0 / (1.0 + PEAK_GAIN));
+        self.power_average_w += (self.power_w - self.power_average_w) * share;
+        let allowed_w = average_max_w + PEAK_GAIN * (average_max_w - self.power_average_w);
+        let (front_rad_s, rear_rad_s) = self.rates_rad_s();
+        let fastest_rad_s = front_rad_s.max(rear_rad_s * self.balance_ratio());
+        allowed_w.max(0.0) / fastest_rad_s.max(1e-3)
+    }
+
+    fn ramp_s(&mut self, link: bool, wheels: bool, mode: Mode) -> f32 {
+        self.say(LimitedBy::LINK, !link);
+        if !link || mode == Mode::Fault {
+            LINK_RAMP_S
+        } else if !wheels {
+            BLIND_RAMP_S
+        } else {
+            self.limits.ramp_down_s
+        }
+    }
+
+    /// The pair one tick on: slowly up, down from its onset to zero in `ramp_s`.
+    fn slew_pair(&mut self, tick: &Tick, wanted_nm: f32, ramp_s: f32) -> f32 {
+        if wanted_nm >= self.pair_nm {
+            self.onset_nm = self.pair_nm;
+            let up_nm = self.pair_nm + self.limits.ramp_up_nm_s * tick.credit_s;
+            self.say(LimitedBy::RAMP, wanted_nm > up_nm);
+            return wanted_nm.min(up_nm);
+        }
+        let down_nm = self.pair_nm - self.onset_nm.max(1.0) * tick.debit_s / ramp_s;
+        self.say(LimitedBy::RAMP, down_nm > wanted_nm);
+        wanted_nm.max(down_nm).max(0.0)
+    }
+
+    /// The trim one tick on: the ramp up both ways, faster out when the ramp down is; no drive
+    /// where there must be none, at once.
+    fn slew_trim(&mut self, tick: &Tick, wanted_nm: f32, ramp_s: f32, drive: bool) -> f32 {
+        let most_nm = self.limits.torque_max_nm;
+        let wanted_nm = wanted_nm.max(-most_nm).min(most_nm);
+        let away_nm = self.limits.ramp_up_nm_s * tick.credit_s;
+        let back_nm = away_nm.max(most_nm * tick.debit_s / ramp_s);
+        let (down_nm, up_nm) = if self.trim_nm > 0.0 {
+            (back_nm, away_nm)
+        } else {
+            (away_nm, back_nm)
+        };
+        let trim_nm = wanted_nm
+            .max(self.trim_nm - down_nm)
+            .min(self.trim_nm + up_nm);
+        if drive || trim_nm <= 0.0 {
+            return trim_nm;
+        }
+        self.say(LimitedBy::NET_DRIVE, true);
+        0.0
+    }
+
+    /// Pair and trim as torques of two motors, each within its own limits.
+    fn command(&mut self, wheels: Option<&Wheels>) -> Command {
+        let most_nm = self.limits.torque_max_nm;
+        let balance_nm = self.pair_nm * self.balance_ratio();
+        let mut rear_nm = (balance_nm + self.trim_nm).max(-most_nm).min(most_nm);
+        if let Some(average_max_w) = self.limits.power_average_max_w {
+            let allowed_w = average_max_w + PEAK_GAIN * (average_max_w - self.power_average_w);
+            let (_, rear_rad_s) = self.rates_rad_s();
+            let power_nm = allowed_w.max(0.0) / rear_rad_s.max(1e-3);
+            rear_nm = rear_nm.max(-power_nm).min(power_nm);
+        }
+        let rolls = wheels.is_some_and(|wheels| wheels.rear_m_s >= STANDSTILL_M_S);
+        if rear_nm < 0.0 && !rolls {
+            self.say(LimitedBy::STANDSTILL, true);
+            rear_nm = 0.0;
+        }
+        Command {
+            front_brake_nm: self.pair_nm,
+            rear_traction_nm: rear_nm,
+        }
+    }
+
+    fn balance_ratio(&self) -> f32 {
+        self.limits.rear_wheel_radius_m / self.limits.front_wheel_radius_m
+    }
+
+    fn rates_rad_s(&self) -> (f32, f32) {
+        (
+            self.front_m_s / self.limits.front_wheel_radius_m,
+            self.rear_m_s / self.limits.rear_wheel_radius_m,
+        )
+    }
+}
+
+impl Wheels {
+    fn fastest_m_s(&self) -> f32 {
+        self.front_m_s.max(self.rear_m_s).max(self.speed_m_s)
+    }
+
+    /// True if the front wheel lags behind the bicycle or the rear wheel leads it.
+    fn slip(&self) -> bool {
+        let tolerated_m_s = SLIP_RATIO * self.speed_m_s.abs() + SLIP_MARGIN_M_S;
+        self.speed_m_s - self.front_m_s > tolerated_m_s
+            || self.rear_m_s - self.speed_m_s > tolerated_m_s
+    }
+}
+
+/// `value`, or 0 if it is no number.
+fn finite(value: f32) -> f32 {
+    if value.is_finite() { value } else { 0.0 }
+}

@@ -1,0 +1,70 @@
+//! The tick.
+
+use twinhub_types::{Instant, Measurement, Output, RiderIntent};
+
+use crate::allocation::{Allocation, Envelope};
+use crate::clock::Clock;
+use crate::config::Config;
+use crate::estimator::Estimator;
+use crate::guard::{Guard, GuardLimits};
+use crate::law::{Demand, Law, Mechanism as _};
+use crate::senses::Senses;
+use crate::supervisor::Supervisor;
+
+/// The stabilizer of one bicycle: plain data of fixed size.
+#[derive(Clone, Copy, Debug)]
+pub struct Controller {
+    clock: Clock,
+    senses: Senses,
+    estimator: Estimator,
+    supervisor: Supervisor,
+    law: Law,
+    demand: Demand,
+    limits: Envelope,
+    allocation: Allocation,
+    guard: Guard,
+}
+
+impl Controller {
+    /// A controller at rest. One that is given a configuration which breaks a rule
+    /// ([`Config::check`]) reports `CONFIG_REFUSED` in every tick and never asks for torque.
+    pub fn new(config: &Config) -> Self {
+        let refused = config.check().is_err();
+        let config = if refused { &Config::NO_TORQUE } else { config };
+        Self {
+            clock: Clock::default(),
+            senses: Senses::default(),
+            estimator: Estimator::new(&config.bicycle),
+            supervisor: Supervisor::new(config, refused),
+            law: config.law,
+            demand: Demand::default(),
+            limits: Envelope::new(config),
+            allocation: Allocation::new(config),
+            guard: Guard::new(GuardLimits::new(config)),
+        }
+    }
+
+    /// One tick: what the motors should do, given what the sensors and the rider say.
+    ///
+    /// To be called every millisecond; `now` and all stamps share one clock. Any bit pattern is
+    /// accepted: what is missing, stale or absurd raises a health flag and ramps the torque.
+    pub fn step(&mut self, now: Instant, meas: &Measurement, rider: &RiderIntent) -> Output {
+        let tick = self.clock.tick(now);
+        let seen = self.senses.read(now, meas, rider);
+        let x = self.estimator.update(&tick, &seen);
+        let mode = self.supervisor.update(&tick, &seen, &x);
+        let demand = self.law.demand(&self.demand, &x, tick.credit_s);
+        let bounds = self.limits.at(&x, self.supervisor.share_ratio());
+        let request = self.allocation.split(&demand, &bounds);
+        let command = self.guard.apply(now, meas, rider, mode, &request);
+        self.demand = demand;
+        Output {
+            command,
+            demand_nm: demand.pair_nm,
+            mode: mode as u32,
+            health: self.supervisor.health().bits(),
+            limited_by: self.guard.limited_by().bits(),
+            estimate: x,
+        }
+    }
+}
