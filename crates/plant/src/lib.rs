@@ -1,7 +1,10 @@
 //! Plants: what the controller rides on. Bicycles, riders, tyres, roads, motors, batteries and
 //! sensors, and their fixed-step integration. No clock, no thread, no randomness of its own.
 
+pub mod admissible;
+pub mod benchmark;
 pub mod disturbance;
+pub mod explain;
 pub mod integrate;
 pub mod motor;
 pub mod multibody;
@@ -10,6 +13,8 @@ pub mod rider;
 pub mod road;
 pub mod scalar;
 pub mod sensor;
+pub mod truth;
 pub mod tyre;
 
 pub use scalar::Scalar;
+pub use truth::{PlantInput, PlantModel, Truth};
