@@ -100,6 +100,11 @@ mod tests {
     #[test]
     fn time_saturates_instead_of_wrapping() {
         assert_eq!(Instant::START.since(Instant::from_nanos(5)), Duration::ZERO);
-        assert_eq!(Instant::from_nanos(u64::MAX).after(Duration::from_nanos(1)).as_nanos(), u64::MAX);
+        assert_eq!(
+            Instant::from_nanos(u64::MAX)
+                .after(Duration::from_nanos(1))
+                .as_nanos(),
+            u64::MAX
+        );
     }
 }
