@@ -64,8 +64,8 @@ const LOAD_LIMIT_N: f64 = 1.0e6;
 const FRICTION_FLOOR: f64 = 1.0e-6;
 /// sin(atan(u)) is 1 to the last bit well before this argument.
 const SATURATED: f64 = 1.0e9;
-/// Speed at which rolling resistance has 71 % of its value, m/s.
-const ROLLING_TURNOVER_M_S: f64 = 0.01;
+/// Speed above which rolling resistance is the printed one, m/s.
+const ROLLING_TURNOVER_M_S: f64 = 0.02;
 
 /// Load that forces are made of: zero off the ground.
 #[inline]
@@ -92,12 +92,11 @@ pub(super) fn shape<T: Scalar>(c: f64, u: T) -> (T, T) {
 }
 
 /// Rolling resistance moment Fz r q, against the way the wheel rolls (A2.18). The sign turns over
-/// smoothly within a few centimetres per second.
+/// smoothly below [`ROLLING_TURNOVER_M_S`].
 #[inline]
 pub(super) fn rolling<T: Scalar>(fz: T, speed_m_s: T, radius_m: f64, ratio: f64) -> T {
-    let v = speed_m_s.clamp(T::from_f64(-SATURATED), T::from_f64(SATURATED));
-    let turnover = T::from_f64(ROLLING_TURNOVER_M_S * ROLLING_TURNOVER_M_S);
-    fz.scale(radius_m * ratio) * v / (v * v + turnover).sqrt()
+    let way = speed_m_s.scale(1.0 / ROLLING_TURNOVER_M_S).clamp(-T::one(), T::one());
+    fz.scale(radius_m * ratio) * way * (T::from_f64(1.5) - (way * way).scale(0.5))
 }
 
 impl Combined {

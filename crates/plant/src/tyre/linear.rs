@@ -17,6 +17,7 @@
 use super::contact::{self, TyreError, Vertical};
 use super::{TyreInput, TyreModel, TyreOutput};
 use crate::Scalar;
+use crate::explain::Explain;
 use serde::{Deserialize, Serialize};
 
 /// Forces proportional to slip, camber and load.
@@ -92,5 +93,14 @@ impl TyreModel for LinearTyre {
             contact::positive("relaxation_length_m", length)?;
         }
         self.vertical.validate()
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "linear",
+            what: "forces proportional to slip, camber and load, for linear stability analysis",
+            equation: "Fx = c_kappa Fz kappa, Fy = Fz (-c_alpha alpha + c_gamma gamma), Mz = Fz (t c_alpha alpha + m_t gamma), Mx = -Fz r_c gamma, rolling resistance q r Fz",
+            source: "slopes of Bulsink (2017), table A3, at 400 N; form of Sharp (2008), Appl. Mech. Rev. 61, 060803",
+            assumes: "no friction limit, no combined slip, stiffness proportional to load; holds for slip and camber below about 3 degrees and loads near the nominal one",
+        }
     }
 }

@@ -32,6 +32,7 @@
 use super::contact::{self, Combined, Friction, TyreError, Vertical};
 use super::{TyreInput, TyreModel, TyreOutput};
 use crate::Scalar;
+use crate::explain::Explain;
 use serde::{Deserialize, Serialize};
 
 /// How side slip and camber add up.
@@ -320,5 +321,14 @@ impl TyreModel for MagicFormula {
             contact::positive("relaxation_length_m", length)?;
         }
         self.vertical.validate()
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "magic_formula",
+            what: "bicycle tyre with load dependence, side slip, camber, self-aligning, twisting and overturning moment, rolling resistance and longitudinal slip",
+            equation: "y = D sin(C atan(B x)) for each force, cosine form for the pneumatic trail, moments linear in camber: A2.1 to A2.19 of the source",
+            source: "Bulsink (2017), thesis, University of Twente, appendix A.2 and table A3; measured by Doria et al. (2013), Vehicle System Dynamics 51",
+            assumes: "longitudinal slip was never measured (motorcycle data); combined slip is not in the source (option `combined`); twisting torque knows no friction limit; holds for 400 to 600 N, slip angles to 6 degrees, camber to 25 degrees",
+        }
     }
 }

@@ -5,7 +5,6 @@
 //! than the ISO frame (y left, z up) of most tyre files; each model converts its own source.
 
 mod contact;
-mod explain;
 mod linear;
 mod magic_formula;
 mod magic_formula_1989;
@@ -14,9 +13,10 @@ mod sets;
 
 #[cfg(test)]
 mod conformance;
+#[cfg(test)]
+mod figures;
 
 pub use contact::{Combined, Friction, TyreError, Vertical};
-pub use explain::{Explanation, explain};
 pub use linear::LinearTyre;
 pub use magic_formula::{LateralForm, MagicFormula};
 pub use magic_formula_1989::MagicFormula1989;
@@ -24,6 +24,7 @@ pub use no_slip::NoSlip;
 pub use sets::{SETS, TyreSet, set};
 
 use crate::Scalar;
+use crate::explain::Explain;
 use serde::{Deserialize, Serialize};
 
 /// State of a wheel at its contact point.
@@ -91,6 +92,8 @@ pub trait TyreModel {
     fn is_constraint(&self) -> bool;
     /// Refuses parameters that no tyre can have.
     fn validate(&self) -> Result<(), TyreError>;
+    /// What `twinhub explain` says.
+    fn explain(&self) -> Explain;
 }
 
 twinhub_types::registry! {
@@ -114,4 +117,10 @@ twinhub_types::registry! {
     fn nominal_load_n(&self) -> f64;
     fn is_constraint(&self) -> bool;
     fn validate(&self) -> Result<(), TyreError>;
+    fn explain(&self) -> Explain;
+}
+
+/// The explanation of the registry entry or set called `name`.
+pub fn explain(name: &str) -> Option<Explain> {
+    set(name).map(|set| set.tyre.explain())
 }

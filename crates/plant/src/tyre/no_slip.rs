@@ -14,6 +14,7 @@
 use super::contact::{TyreError, Vertical};
 use super::{TyreInput, TyreModel, TyreOutput};
 use crate::Scalar;
+use crate::explain::Explain;
 use serde::{Deserialize, Serialize};
 
 /// A wheel that rolls without slip, by constraint.
@@ -40,5 +41,14 @@ impl TyreModel for NoSlip {
     }
     fn validate(&self) -> Result<(), TyreError> {
         Ok(())
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "no_slip",
+            what: "a knife-edge wheel that rolls without slip, by constraint",
+            equation: "the velocity of the contact point is zero along x and y; the multibody model solves for the forces",
+            source: "Meijaard, Papadopoulos, Ruina and Schwab (2007), Proc. R. Soc. A 463, section 2",
+            assumes: "unlimited friction, no moment in the contact; holds for slip angles far below 1 degree",
+        }
     }
 }
