@@ -1,0 +1,198 @@
+//! Waiting for the other side: spin, then yield, then sleep.
+//!
+//! Spinning answers within a microsecond but takes a core; it pays while both sides run on cores
+//! of their own. The time spent on it follows success: a wait that ends while spinning doubles
+//! the next one's limit, one that does not halves it, and every 64th wait tries the full limit
+//! again. So a single core, or a machine with other work, falls back to sleeping by itself.
+
+use crate::LinkError;
+use crate::bell::Bell;
+use crate::peer::{Peer, Woken};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How a side waits for the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waiting {
+    /// Spin as long as that succeeds: fastest, takes the core.
+    #[default]
+    Spin,
+    /// Sleep at once: 30 to 100 µs a tick, leaves the core to others.
+    Block,
+}
+
+impl std::str::FromStr for Waiting {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "spin" => Ok(Self::Spin),
+            "block" => Ok(Self::Block),
+            _ => Err(format!("`{text}` is no way of waiting: spin or block")),
+        }
+    }
+}
+
+/// Longest spin.
+const SPIN_MAX: Duration = Duration::from_micros(100);
+/// Shortest spin, while spinning is allowed at all.
+const SPIN_MIN: Duration = Duration::from_micros(1);
+/// How long to yield between spinning and sleeping.
+const YIELD: Duration = Duration::from_micros(50);
+/// Longest sleep before the stop flag is looked at.
+pub(crate) const NAP: Duration = Duration::from_millis(20);
+/// How often a long wait is reported.
+const REPORT: Duration = Duration::from_secs(5);
+
+/// Where messages to the user go.
+pub type Notice = Arc<dyn Fn(&str) + Send + Sync>;
+
+pub(crate) struct Waiter {
+    waiting: Waiting,
+    limit: Duration,
+    waits: u64,
+    stop: Arc<AtomicBool>,
+    notice: Notice,
+    other: &'static str,
+}
+
+impl Waiter {
+    pub(crate) fn new(
+        waiting: Waiting,
+        stop: Arc<AtomicBool>,
+        notice: Notice,
+        other: &'static str,
+    ) -> Self {
+        Self {
+            waiting,
+            limit: SPIN_MAX,
+            waits: 0,
+            stop,
+            notice,
+            other,
+        }
+    }
+
+    /// Waits until `take` yields something; for tick `tick`, which only messages mention.
+    ///
+    /// With a `deadline`, gives up then and returns `None`; without, waits as long as the other
+    /// process lives and the stop flag is down.
+    #[inline]
+    pub(crate) fn wait<T>(
+        &mut self,
+        peer: &Peer,
+        bell: &Bell,
+        tick: u64,
+        deadline: Option<Instant>,
+        mut take: impl FnMut() -> Result<Option<T>, LinkError>,
+    ) -> Result<Option<T>, LinkError> {
+        if self.waiting == Waiting::Spin {
+            self.waits += 1;
+            let probe = self.waits.is_multiple_of(64);
+            let limit = if probe { SPIN_MAX } else { self.limit };
+            if let Some(frame) = spin(limit, &mut take)? {
+                self.limit = (limit * 2).min(SPIN_MAX);
+                return Ok(Some(frame));
+            }
+            self.limit = (self.limit / 2).max(SPIN_MIN);
+            if let Some(frame) = yielding(&mut take)? {
+                return Ok(Some(frame));
+            }
+        }
+        self.sleep(peer, bell, tick, deadline, take)
+    }
+
+    #[cold]
+    fn sleep<T>(
+        &self,
+        peer: &Peer,
+        bell: &Bell,
+        tick: u64,
+        deadline: Option<Instant>,
+        mut take: impl FnMut() -> Result<Option<T>, LinkError>,
+    ) -> Result<Option<T>, LinkError> {
+        let start = Instant::now();
+        let mut report = start + REPORT;
+        let found = loop {
+            bell.lie_down();
+            if let Some(frame) = take()? {
+                break Some(frame);
+            }
+            let now = Instant::now();
+            let nap = deadline.map_or(NAP, |end| end.saturating_duration_since(now).min(NAP));
+            let woken = if nap.is_zero() {
+                Woken::Timeout
+            } else {
+                peer.sleep(nap)
+            };
+            bell.get_up();
+            if let Some(frame) = take()? {
+                break Some(frame);
+            }
+            match woken {
+                Woken::Died => {
+                    return Err(LinkError::PeerDied {
+                        pid: peer.pid,
+                        tick,
+                    });
+                }
+                Woken::Left => {
+                    return Err(LinkError::PeerLeft {
+                        pid: peer.pid,
+                        tick,
+                    });
+                }
+                Woken::Timeout | Woken::Rung => {}
+            }
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(LinkError::Interrupted);
+            }
+            let now = Instant::now();
+            if deadline.is_some_and(|end| now >= end) {
+                break None;
+            }
+            if now >= report {
+                let (other, pid, s) = (self.other, peer.pid, (now - start).as_secs());
+                (self.notice)(&format!(
+                    "waiting for the {other} (pid {pid}) at tick {tick} for {s} s; it lives, but does not answer"
+                ));
+                report = now + REPORT;
+            }
+        };
+        bell.get_up();
+        Ok(found)
+    }
+}
+
+#[inline]
+fn spin<T>(
+    limit: Duration,
+    take: &mut impl FnMut() -> Result<Option<T>, LinkError>,
+) -> Result<Option<T>, LinkError> {
+    let mut end = None;
+    loop {
+        for _ in 0..16 {
+            if let Some(frame) = take()? {
+                return Ok(Some(frame));
+            }
+            std::hint::spin_loop();
+        }
+        let now = Instant::now();
+        if now >= *end.get_or_insert(now + limit) {
+            return Ok(None);
+        }
+    }
+}
+
+fn yielding<T>(
+    take: &mut impl FnMut() -> Result<Option<T>, LinkError>,
+) -> Result<Option<T>, LinkError> {
+    let end = Instant::now() + YIELD;
+    while Instant::now() < end {
+        std::thread::yield_now();
+        if let Some(frame) = take()? {
+            return Ok(Some(frame));
+        }
+    }
+    Ok(None)
+}
