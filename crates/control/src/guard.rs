@@ -169,11 +169,7 @@ impl Guard {
 
         let link = senses::link_alive(now, meas, rider);
         let cut = self.must_cut(&tick, rider, wheels.as_ref());
-        let ceiling_nm = if cut {
-            0.0
-        } else {
-            self.ceiling_nm(&tick, request, wheels.as_ref())
-        };
+        self.average_power(&tick);
         let ramp_s = self.ramp_s(link, wheels.is_some(), mode);
         let allowed = link
             && wheels.is_some()
@@ -190,7 +186,9 @@ impl Guard {
         } else {
             0.0
         };
-        self.pair_nm = self.slew_pair(&tick, wanted_nm, ramp_s).min(ceiling_nm);
+        let pair_nm = self.slew_pair(&tick, wanted_nm, ramp_s);
+        let ceiling_nm = self.ceiling_nm(pair_nm, request, wheels.as_ref());
+        self.pair_nm = if cut { 0.0 } else { pair_nm.min(ceiling_nm) };
         self.onset_nm = if self.pair_nm > 0.0 {
             self.onset_nm.max(self.pair_nm)
         } else {
@@ -258,40 +256,45 @@ impl Guard {
         lever || slip
     }
 
-    /// The largest pair that may go out in this tick, Nm: holds at once.
-    fn ceiling_nm(&mut self, tick: &Tick, request: &Request, wheels: Option<&Wheels>) -> f32 {
-        let ratio = self.balance_ratio();
+    /// The largest pair that may go out in this tick, Nm: holds at once. `pair_nm` would go out.
+    fn ceiling_nm(&mut self, pair_nm: f32, request: &Request, wheels: Option<&Wheels>) -> f32 {
         if wheels.is_some_and(|wheels| wheels.front_m_s < STANDSTILL_M_S) {
-            self.say(LimitedBy::STANDSTILL, request.pair_nm > 0.0);
+            self.say(LimitedBy::STANDSTILL, pair_nm > 0.0);
             return 0.0;
         }
+        let ratio = self.balance_ratio();
         let most_nm = self
             .limits
             .torque_max_nm
             .min(self.limits.torque_max_nm / ratio);
         self.say(LimitedBy::MAGNITUDE, request.pair_nm > most_nm);
-        let power_nm = self.power_ceiling_nm(tick);
-        self.say(LimitedBy::POWER, request.pair_nm > power_nm);
+        let (front_rad_s, rear_rad_s) = self.rates_rad_s();
+        let power_nm = self.power_left_w() / front_rad_s.max(rear_rad_s * ratio).max(1e-3);
+        self.say(LimitedBy::POWER, pair_nm > power_nm);
         // A ceiling that is no number is none that can be trusted.
         let carried_nm = if request.pair_ceiling_nm > 0.0 {
             request.pair_ceiling_nm
         } else {
             0.0
         };
+        self.say(LimitedBy::FRICTION, pair_nm > carried_nm);
         most_nm.min(power_nm).min(carried_nm)
     }
 
-    /// `P <= P_c + k (P_c - P_average)`, so that the average approaches `P_c` and never passes it.
-    fn power_ceiling_nm(&mut self, tick: &Tick) -> f32 {
-        let Some(average_max_w) = self.limits.power_average_max_w else {
-            return f32::INFINITY;
-        };
+    /// Heat so far: a first-order low pass of the power that went out.
+    fn average_power(&mut self, tick: &Tick) {
+        // No longer step than the one for which the limit of `power_left_w` still holds.
         let share = (tick.debit_s / THERMAL_TAU_S).min(1.0 / (1.0 + PEAK_GAIN));
         self.power_average_w += (self.power_w - self.power_average_w) * share;
-        let allowed_w = average_max_w + PEAK_GAIN * (average_max_w - self.power_average_w);
-        let (front_rad_s, rear_rad_s) = self.rates_rad_s();
-        let fastest_rad_s = front_rad_s.max(rear_rad_s * self.balance_ratio());
-        allowed_w.max(0.0) / fastest_rad_s.max(1e-3)
+    }
+
+    /// `P <= P_c + k (P_c - P_average)`: the average approaches `P_c` and never passes it.
+    fn power_left_w(&self) -> f32 {
+        self.limits
+            .power_average_max_w
+            .map_or(f32::INFINITY, |most_w| {
+                (most_w + PEAK_GAIN * (most_w - self.power_average_w)).max(0.0)
+            })
     }
 
     fn ramp_s(&mut self, link: bool, wheels: bool, mode: Mode) -> f32 {
@@ -325,14 +328,14 @@ impl Guard {
         let wanted_nm = wanted_nm.max(-most_nm).min(most_nm);
         let away_nm = self.limits.ramp_up_nm_s * tick.credit_s;
         let back_nm = away_nm.max(most_nm * tick.debit_s / ramp_s);
-        let (down_nm, up_nm) = if self.trim_nm > 0.0 {
-            (back_nm, away_nm)
-        } else {
-            (away_nm, back_nm)
-        };
-        let trim_nm = wanted_nm
-            .max(self.trim_nm - down_nm)
-            .min(self.trim_nm + up_nm);
+        // Back ends at zero; beyond it, away begins.
+        let lowest_nm = (self.trim_nm - back_nm)
+            .max(0.0)
+            .min(self.trim_nm - away_nm);
+        let highest_nm = (self.trim_nm + back_nm)
+            .min(0.0)
+            .max(self.trim_nm + away_nm);
+        let trim_nm = wanted_nm.max(lowest_nm).min(highest_nm);
         if drive || trim_nm <= 0.0 {
             return trim_nm;
         }
@@ -345,17 +348,16 @@ impl Guard {
         let most_nm = self.limits.torque_max_nm;
         let balance_nm = self.pair_nm * self.balance_ratio();
         let mut rear_nm = (balance_nm + self.trim_nm).max(-most_nm).min(most_nm);
-        if let Some(average_max_w) = self.limits.power_average_max_w {
-            let allowed_w = average_max_w + PEAK_GAIN * (average_max_w - self.power_average_w);
-            let (_, rear_rad_s) = self.rates_rad_s();
-            let power_nm = allowed_w.max(0.0) / rear_rad_s.max(1e-3);
-            rear_nm = rear_nm.max(-power_nm).min(power_nm);
-        }
+        let (_, rear_rad_s) = self.rates_rad_s();
+        let power_nm = self.power_left_w() / rear_rad_s.max(1e-3);
+        rear_nm = rear_nm.max(-power_nm).min(power_nm);
         let rolls = wheels.is_some_and(|wheels| wheels.rear_m_s >= STANDSTILL_M_S);
         if rear_nm < 0.0 && !rolls {
             self.say(LimitedBy::STANDSTILL, true);
             rear_nm = 0.0;
         }
+        // What the limits took from the trim comes back along the ramp.
+        self.trim_nm = rear_nm - balance_nm;
         Command {
             front_brake_nm: self.pair_nm,
             rear_traction_nm: rear_nm,
