@@ -15,6 +15,7 @@ pub mod scalar;
 pub mod sensor;
 pub mod truth;
 pub mod tyre;
+pub mod wind;
 
 pub use scalar::Scalar;
 pub use truth::{PlantInput, PlantModel, Truth};

@@ -109,6 +109,14 @@ impl Scalar for f64 {
         libm::sincos(self)
     }
     #[inline]
+    fn sin(self) -> Self {
+        libm::sin(self)
+    }
+    #[inline]
+    fn cos(self) -> Self {
+        libm::cos(self)
+    }
+    #[inline]
     fn atan(self) -> Self {
         libm::atan(self)
     }

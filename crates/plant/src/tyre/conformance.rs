@@ -3,8 +3,7 @@
 use super::{
     Combined, Friction, LateralForm, SETS, Tyre, TyreInput, TyreModel, TyreOutput, explain, set,
 };
-use crate::Scalar;
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use crate::tyre::dual::Dual;
 
 /// Every set, and each model's sets with every option that is not on by default.
 fn tyres() -> Vec<(String, Tyre)> {
@@ -17,11 +16,12 @@ fn tyres() -> Vec<(String, Tyre)> {
                 match set.tyre {
                     Tyre::MagicFormula(mut tyre) => {
                         (tyre.friction, tyre.combined) = (friction, combined);
-                        tyre.load_range_n =
-                            tyre.frozen_load_n.is_none().then_some([200.0, 700.0]);
-                        for form in
-                            [LateralForm::Motorcycle, LateralForm::Saturating, LateralForm::AsPrinted]
-                        {
+                        tyre.load_range_n = tyre.frozen_load_n.is_none().then_some([200.0, 700.0]);
+                        for form in [
+                            LateralForm::Motorcycle,
+                            LateralForm::Saturating,
+                            LateralForm::AsPrinted,
+                        ] {
                             tyre.lateral_form = form;
                             all.push((format!("{name} {form:?}"), Tyre::MagicFormula(tyre)));
                         }
@@ -35,7 +35,11 @@ fn tyres() -> Vec<(String, Tyre)> {
             }
         }
     }
-    assert!(Tyre::NAMES.iter().all(|name| all.iter().any(|(_, tyre)| tyre.name() == *name)));
+    assert!(
+        Tyre::NAMES
+            .iter()
+            .all(|name| all.iter().any(|(_, tyre)| tyre.name() == *name))
+    );
     all
 }
 
@@ -59,7 +63,10 @@ fn riding() -> Vec<TyreInput<f64>> {
             for alpha in [-1.2, -0.1, -0.01, 0.0, 0.03, 0.2] {
                 for gamma in [-0.6, -0.1, 0.0, 0.05, 0.4] {
                     for friction_ratio in [0.2, 1.0] {
-                        inputs.push(TyreInput { friction_ratio, ..at(load, kappa, alpha, gamma) });
+                        inputs.push(TyreInput {
+                            friction_ratio,
+                            ..at(load, kappa, alpha, gamma)
+                        });
                     }
                 }
             }
@@ -84,18 +91,31 @@ fn without_slip_and_upright_only_rolling_resistance_is_left() {
         for load in [0.0, 1.0, 400.0, 900.0] {
             let out = tyre.output(&at(load, 0.0, 0.0, 0.0));
             let [x, y, over, rolling, z] = parts(out);
-            assert_eq!([x, y, over, z].map(f64::abs), [0.0; 4], "{name} at {load} N: {out:?}");
-            assert!(rolling >= 0.0 && rolling <= 0.02 * load, "{name}: {rolling}");
+            assert_eq!(
+                [x, y, over, z].map(f64::abs),
+                [0.0; 4],
+                "{name} at {load} N: {out:?}"
+            );
+            assert!(
+                rolling >= 0.0 && rolling <= 0.02 * load,
+                "{name}: {rolling}"
+            );
         }
     }
 }
 
 #[test]
 fn offsets_of_the_1989_formula_show_only_when_kept() {
-    let Tyre::MagicFormula1989(mut tyre) = set("magic_formula_1989").unwrap().tyre else { panic!() };
+    let Tyre::MagicFormula1989(mut tyre) = set("magic_formula_1989").unwrap().tyre else {
+        panic!()
+    };
     tyre.remove_offsets = false;
     assert!(tyre.output(&at(400.0, 0.0, 0.0, 0.0)).lateral_n.abs() > 1.0);
-    assert_eq!(tyre.output(&at(0.0, 0.0, 0.1, 0.1)).lateral_n, 0.0, "no load, no force");
+    assert_eq!(
+        tyre.output(&at(0.0, 0.0, 0.1, 0.1)).lateral_n,
+        0.0,
+        "no load, no force"
+    );
 }
 
 #[test]
@@ -110,7 +130,10 @@ fn the_mirror_image_of_a_contact_has_the_mirror_image_of_its_forces() {
             let [x, y, over, rolling, z] = parts(tyre.output(&input));
             let mirrored = parts(tyre.output(&mirror));
             for (a, b) in [x, -y, -over, rolling, -z].iter().zip(mirrored) {
-                assert!((a - b).abs() <= 1e-12 * (1.0 + a.abs()), "{name}: {a} {b} at {input:?}");
+                assert!(
+                    (a - b).abs() <= 1e-12 * (1.0 + a.abs()),
+                    "{name}: {a} {b} at {input:?}"
+                );
             }
         }
     }
@@ -126,7 +149,10 @@ fn an_upright_tyre_takes_energy_out_and_never_gives_any() {
                 // velocity of the sliding tread is |v_x| (-κ, tan α)
                 let sliding = -x * input.slip_ratio + y * input.slip_angle_rad.tan();
                 assert!(sliding <= 1e-9, "{name}: {sliding} W per m/s at {input:?}");
-                assert!(rolling * speed_m_s >= 0.0, "{name}: rolling drives at {speed_m_s}");
+                assert!(
+                    rolling * speed_m_s >= 0.0,
+                    "{name}: rolling drives at {speed_m_s}"
+                );
             }
         }
     }
@@ -146,7 +172,10 @@ fn with_ellipse_and_road_friction_no_force_passes_the_friction_limit() {
             for input in riding() {
                 let [x, y, ..] = parts(tyre.output(&input));
                 let limit = input.friction_ratio * input.load_n;
-                assert!(x.hypot(y) <= limit * (1.0 + 1e-12), "{name}: {x} {y} over {limit}");
+                assert!(
+                    x.hypot(y) <= limit * (1.0 + 1e-12),
+                    "{name}: {x} {y} over {limit}"
+                );
                 tested += 1;
             }
         }
@@ -156,20 +185,40 @@ fn with_ellipse_and_road_friction_no_force_passes_the_friction_limit() {
 
 #[test]
 fn friction_of_the_road_limits_forces_and_leaves_slopes() {
-    for (name, tyre) in tyres().into_iter().filter(|(_, t)| !matches!(t, Tyre::NoSlip(_))) {
+    for (name, tyre) in tyres()
+        .into_iter()
+        .filter(|(_, t)| !matches!(t, Tyre::NoSlip(_)))
+    {
         let slope = |friction_ratio: f64| {
-            let input = |h: f64| TyreInput { friction_ratio, ..at(400.0, h, h, 0.0) };
+            let input = |h: f64| TyreInput {
+                friction_ratio,
+                ..at(400.0, h, h, 0.0)
+            };
             let (up, down) = (tyre.output(&input(1e-6)), tyre.output(&input(-1e-6)));
-            [up.longitudinal_n - down.longitudinal_n, up.lateral_n - down.lateral_n]
+            [
+                up.longitudinal_n - down.longitudinal_n,
+                up.lateral_n - down.lateral_n,
+            ]
         };
         for (dry, ice) in slope(1.0).into_iter().zip(slope(0.2)) {
-            assert!((dry / ice - 1.0).abs() < 1e-6, "{name}: slope {dry} and {ice}");
+            assert!(
+                (dry / ice - 1.0).abs() < 1e-6,
+                "{name}: slope {dry} and {ice}"
+            );
         }
         if !matches!(tyre, Tyre::Linear(_)) {
             let peak = |friction_ratio: f64| {
-                tyre.output(&TyreInput { friction_ratio, ..at(400.0, 0.0, 0.15, 0.0) }).lateral_n
+                tyre.output(&TyreInput {
+                    friction_ratio,
+                    ..at(400.0, 0.0, 0.15, 0.0)
+                })
+                .lateral_n
             };
-            assert!(peak(0.2) / peak(1.0) < 0.35, "{name}: ice holds {}", peak(0.2));
+            assert!(
+                peak(0.2) / peak(1.0) < 0.35,
+                "{name}: ice holds {}",
+                peak(0.2)
+            );
         }
     }
 }
@@ -182,7 +231,10 @@ fn no_load_no_force_and_force_comes_back_with_load() {
             assert_eq!(out.map(f64::abs), [0.0; 5], "{name} at {load} N");
         }
         let out = parts(tyre.output(&at(1e-6, 0.3, 0.2, 0.3)));
-        assert!(out.iter().all(|part| part.abs() < 1e-4), "{name}: {out:?} at 1e-6 N");
+        assert!(
+            out.iter().all(|part| part.abs() < 1e-4),
+            "{name}: {out:?} at 1e-6 N"
+        );
     }
 }
 
@@ -201,7 +253,10 @@ fn finite_input_gives_finite_output() {
                                 ..at(load, kappa, alpha, gamma)
                             };
                             let out = parts(tyre.output(&input));
-                            assert!(out.iter().all(|o| o.is_finite()), "{name} {input:?} {out:?}");
+                            assert!(
+                                out.iter().all(|o| o.is_finite()),
+                                "{name} {input:?} {out:?}"
+                            );
                         }
                     }
                 }
@@ -216,7 +271,10 @@ fn derivatives_by_dual_numbers_agree_with_differences() {
         at(400.0, 0.01, 0.02, 0.05),
         at(310.0, -0.04, -0.07, 0.1),
         at(620.0, 0.1, 0.05, -0.2),
-        TyreInput { friction_ratio: 0.4, ..at(250.0, -0.2, 0.11, 0.15) },
+        TyreInput {
+            friction_ratio: 0.4,
+            ..at(250.0, -0.2, 0.11, 0.15)
+        },
     ];
     for (name, tyre) in tyres() {
         for point in points {
@@ -247,7 +305,10 @@ fn derivatives_by_dual_numbers_agree_with_differences() {
                 let (up, down) = (shifted(h), shifted(-h));
                 let value = parts(tyre.output(&point));
                 for part in 0..5 {
-                    assert_eq!(dual[part].0, value[part], "{name}: value through dual numbers");
+                    assert_eq!(
+                        dual[part].0, value[part],
+                        "{name}: value through dual numbers"
+                    );
                     let slope = (up[part] - down[part]) / (2.0 * h);
                     let tolerance = 2e-6 * (1.0 + slope.abs() + value[part].abs());
                     let found = dual[part].1;
@@ -264,25 +325,71 @@ fn derivatives_by_dual_numbers_agree_with_differences() {
 #[test]
 fn toml_goes_round_and_typos_are_refused_with_their_line() {
     for (name, tyre) in tyres() {
-        tyre.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
+        tyre.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         let text = toml::to_string(&tyre).unwrap();
-        assert_eq!(toml::from_str::<Tyre>(&text).unwrap(), tyre, "{name}\n{text}");
+        assert_eq!(
+            toml::from_str::<Tyre>(&text).unwrap(),
+            tyre,
+            "{name}\n{text}"
+        );
         let typo = text.replacen("]\n", "]\nlaod_n = 3.0\n", 1);
         let error = toml::from_str::<Tyre>(&typo).unwrap_err().to_string();
-        assert!(error.contains("line 2") && error.contains("laod_n"), "{name}: {error}");
+        assert!(
+            error.contains("line 2") && error.contains("laod_n"),
+            "{name}: {error}"
+        );
     }
 }
 
 #[test]
 fn a_set_that_no_tyre_can_have_is_refused_by_name() {
-    let Tyre::MagicFormula(good) = set("bulsink2017").unwrap().tyre else { panic!() };
+    let Tyre::MagicFormula(good) = set("bulsink2017").unwrap().tyre else {
+        panic!()
+    };
     let bad = [
-        (super::MagicFormula { nominal_load_n: 0.0, ..good }, "nominal_load_n"),
-        (super::MagicFormula { nominal_load_n: f64::NAN, ..good }, "nominal_load_n"),
-        (super::MagicFormula { cornering_max_per_rad: 16.07, ..good }, "cornering_max_per_rad"),
-        (super::MagicFormula { twisting_gain: -1.0, ..good }, "twisting_gain"),
-        (super::MagicFormula { slip_shape_ratio: 0.0, ..good }, "slip_shape_ratio"),
-        (super::MagicFormula { load_range_n: Some([600.0, 400.0]), ..good }, "load_range_n[1]"),
+        (
+            super::MagicFormula {
+                nominal_load_n: 0.0,
+                ..good
+            },
+            "nominal_load_n",
+        ),
+        (
+            super::MagicFormula {
+                nominal_load_n: f64::NAN,
+                ..good
+            },
+            "nominal_load_n",
+        ),
+        (
+            super::MagicFormula {
+                cornering_max_per_rad: 16.07,
+                ..good
+            },
+            "cornering_max_per_rad",
+        ),
+        (
+            super::MagicFormula {
+                twisting_gain: -1.0,
+                ..good
+            },
+            "twisting_gain",
+        ),
+        (
+            super::MagicFormula {
+                slip_shape_ratio: 0.0,
+                ..good
+            },
+            "slip_shape_ratio",
+        ),
+        (
+            super::MagicFormula {
+                load_range_n: Some([600.0, 400.0]),
+                ..good
+            },
+            "load_range_n[1]",
+        ),
         (
             super::MagicFormula {
                 frozen_load_n: Some(400.0),
@@ -307,86 +414,11 @@ fn every_name_has_a_set_and_an_explanation() {
     }
     for (i, one) in SETS.iter().enumerate() {
         assert!(explain(one.name).unwrap().is_complete(), "{}", one.name);
-        assert!(SETS[i + 1..].iter().all(|other| other.name != one.name), "{} twice", one.name);
+        assert!(
+            SETS[i + 1..].iter().all(|other| other.name != one.name),
+            "{} twice",
+            one.name
+        );
     }
     assert!(set("bulsink").is_none() && explain("bulsink").is_none());
-}
-
-/// Value and one derivative: written here, apart from the duals that the plant itself uses.
-#[derive(Clone, Copy, Debug)]
-struct Dual(f64, f64);
-
-impl Add for Dual {
-    type Output = Self;
-    fn add(self, o: Self) -> Self {
-        Self(self.0 + o.0, self.1 + o.1)
-    }
-}
-impl Sub for Dual {
-    type Output = Self;
-    fn sub(self, o: Self) -> Self {
-        Self(self.0 - o.0, self.1 - o.1)
-    }
-}
-impl Mul for Dual {
-    type Output = Self;
-    fn mul(self, o: Self) -> Self {
-        Self(self.0 * o.0, self.1 * o.0 + self.0 * o.1)
-    }
-}
-impl Div for Dual {
-    type Output = Self;
-    fn div(self, o: Self) -> Self {
-        Self(self.0 / o.0, (self.1 * o.0 - self.0 * o.1) / (o.0 * o.0))
-    }
-}
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(-self.0, -self.1)
-    }
-}
-impl AddAssign for Dual {
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
-impl SubAssign for Dual {
-    fn sub_assign(&mut self, o: Self) {
-        *self = *self - o;
-    }
-}
-impl Scalar for Dual {
-    fn from_f64(value: f64) -> Self {
-        Self(value, 0.0)
-    }
-    fn value(self) -> f64 {
-        self.0
-    }
-    fn sqrt(self) -> Self {
-        let root = libm::sqrt(self.0);
-        Self(root, self.1 / (2.0 * root))
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        let (s, c) = libm::sincos(self.0);
-        (Self(s, c * self.1), Self(c, -s * self.1))
-    }
-    fn atan(self) -> Self {
-        Self(libm::atan(self.0), self.1 / (1.0 + self.0 * self.0))
-    }
-    fn atan2(self, x: Self) -> Self {
-        let r2 = self.0 * self.0 + x.0 * x.0;
-        Self(libm::atan2(self.0, x.0), (self.1 * x.0 - self.0 * x.1) / r2)
-    }
-    fn exp(self) -> Self {
-        let e = libm::exp(self.0);
-        Self(e, e * self.1)
-    }
-    fn tanh(self) -> Self {
-        let t = libm::tanh(self.0);
-        Self(t, (1.0 - t * t) * self.1)
-    }
-    fn select(self, then: Self, otherwise: Self) -> Self {
-        if self.0 > 0.0 { then } else { otherwise }
-    }
 }

@@ -95,7 +95,9 @@ pub(super) fn shape<T: Scalar>(c: f64, u: T) -> (T, T) {
 /// smoothly below [`ROLLING_TURNOVER_M_S`].
 #[inline]
 pub(super) fn rolling<T: Scalar>(fz: T, speed_m_s: T, radius_m: f64, ratio: f64) -> T {
-    let way = speed_m_s.scale(1.0 / ROLLING_TURNOVER_M_S).clamp(-T::one(), T::one());
+    let way = speed_m_s
+        .scale(1.0 / ROLLING_TURNOVER_M_S)
+        .clamp(-T::one(), T::one());
     fz.scale(radius_m * ratio) * way * (T::from_f64(1.5) - (way * way).scale(0.5))
 }
 
@@ -128,12 +130,22 @@ pub(super) fn within(
     if found >= low && found <= high {
         Ok(())
     } else {
-        Err(TyreError::OutOfRange { parameter, found, accepted })
+        Err(TyreError::OutOfRange {
+            parameter,
+            found,
+            accepted,
+        })
     }
 }
 
 pub(super) fn positive(parameter: &'static str, found: f64) -> Result<(), TyreError> {
-    within(parameter, found, f64::MIN_POSITIVE, f64::MAX, "finite and above zero")
+    within(
+        parameter,
+        found,
+        f64::MIN_POSITIVE,
+        f64::MAX,
+        "finite and above zero",
+    )
 }
 
 pub(super) fn not_negative(parameter: &'static str, found: f64) -> Result<(), TyreError> {

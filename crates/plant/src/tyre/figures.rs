@@ -18,7 +18,10 @@ fn at(load_n: f64) -> TyreInput<f64> {
 
 fn near(what: &str, found: f64, expected: f64, relative: f64) {
     let error = (found / expected - 1.0).abs();
-    assert!(error <= relative, "{what}: {found}, expected {expected}, off by {error:.1e}");
+    assert!(
+        error <= relative,
+        "{what}: {found}, expected {expected}, off by {error:.1e}"
+    );
 }
 
 /// Slopes at the origin: longitudinal, cornering, camber stiffness, self-aligning and twisting
@@ -26,9 +29,18 @@ fn near(what: &str, found: f64, expected: f64, relative: f64) {
 fn slopes(name: &str, load_n: f64) -> [f64; 7] {
     let tyre = set(name).unwrap().tyre;
     let h = 1e-5;
-    let slip = tyre.output(&TyreInput { slip_ratio: h, ..at(load_n) });
-    let side = tyre.output(&TyreInput { slip_angle_rad: h, ..at(load_n) });
-    let lean = tyre.output(&TyreInput { camber_rad: h, ..at(load_n) });
+    let slip = tyre.output(&TyreInput {
+        slip_ratio: h,
+        ..at(load_n)
+    });
+    let side = tyre.output(&TyreInput {
+        slip_angle_rad: h,
+        ..at(load_n)
+    });
+    let lean = tyre.output(&TyreInput {
+        camber_rad: h,
+        ..at(load_n)
+    });
     [
         slip.longitudinal_n / h,
         side.lateral_n / h,
@@ -52,7 +64,15 @@ fn slopes_of_table_a3_as_worked_by_hand() {
     let k400 = 4_520.352_455;
     let k600 = 5_330.309_781;
     let expected400 = [4800.0, -k400, 577.6, 0.0189 * k400, 18.76, -7.42, 1.12];
-    let expected600 = [7200.0, -k600, 1019.4, 0.017_062_5 * k600, 19.32, -11.13, 1.68];
+    let expected600 = [
+        7200.0,
+        -k600,
+        1019.4,
+        0.017_062_5 * k600,
+        19.32,
+        -11.13,
+        1.68,
+    ];
     let cases = [
         ("bulsink2017", 400.0, expected400),
         ("bulsink2017", 600.0, expected600),
@@ -66,7 +86,12 @@ fn slopes_of_table_a3_as_worked_by_hand() {
     for (name, load_n, expected) in cases {
         for (i, (found, expected)) in slopes(name, load_n).into_iter().zip(expected).enumerate() {
             // the trail bell loses (Bt α)² / 2 = 3e-7 at α = 1e-5
-            near(&format!("{name} at {load_n} N, slope {i}"), found, expected, 1e-6);
+            near(
+                &format!("{name} at {load_n} N, slope {i}"),
+                found,
+                expected,
+                1e-6,
+            );
         }
     }
 }
@@ -76,13 +101,20 @@ fn slopes_of_table_a3_as_worked_by_hand() {
 /// by hand.
 #[test]
 fn forces_of_table_a3_far_from_the_origin() {
-    let input = TyreInput { slip_ratio: -0.1, slip_angle_rad: 0.05, camber_rad: 0.2, ..at(400.0) };
+    let input = TyreInput {
+        slip_ratio: -0.1,
+        slip_angle_rad: 0.05,
+        camber_rad: 0.2,
+        ..at(400.0)
+    };
     let tyre = set("bulsink2017").unwrap().tyre;
     let out = tyre.output(&input);
     near("Fx", out.longitudinal_n, EXPECTED[0], 1e-12);
     near("Fy", out.lateral_n, EXPECTED[1], 1e-12);
     near("Tz", out.aligning_nm, EXPECTED[2], 1e-12);
-    let Tyre::MagicFormula(mut tyre) = tyre else { panic!() };
+    let Tyre::MagicFormula(mut tyre) = tyre else {
+        panic!()
+    };
     tyre.lateral_form = LateralForm::AsPrinted;
     let out = tyre.output(&input);
     near("Fy as printed", out.lateral_n, EXPECTED[3], 1e-12);
@@ -99,12 +131,23 @@ const EXPECTED: [f64; 5] = [
 /// Each gain scales its own slope and no other.
 #[test]
 fn each_gain_scales_its_own_slope_alone() {
-    let Tyre::MagicFormula(tyre) = set("bulsink2017").unwrap().tyre else { panic!() };
+    let Tyre::MagicFormula(tyre) = set("bulsink2017").unwrap().tyre else {
+        panic!()
+    };
     let slopes = |tyre: super::MagicFormula| {
         let h = 1e-6;
-        let slip = tyre.output(&TyreInput { slip_ratio: h, ..at(500.0) });
-        let side = tyre.output(&TyreInput { slip_angle_rad: h, ..at(500.0) });
-        let lean = tyre.output(&TyreInput { camber_rad: h, ..at(500.0) });
+        let slip = tyre.output(&TyreInput {
+            slip_ratio: h,
+            ..at(500.0)
+        });
+        let side = tyre.output(&TyreInput {
+            slip_angle_rad: h,
+            ..at(500.0)
+        });
+        let lean = tyre.output(&TyreInput {
+            camber_rad: h,
+            ..at(500.0)
+        });
         [
             slip.longitudinal_n,
             side.lateral_n,
@@ -115,12 +158,30 @@ fn each_gain_scales_its_own_slope_alone() {
         ]
     };
     let scaled = [
-        super::MagicFormula { longitudinal_gain: 2.0, ..tyre },
-        super::MagicFormula { cornering_gain: 2.0, ..tyre },
-        super::MagicFormula { camber_gain: 2.0, ..tyre },
-        super::MagicFormula { trail_gain: 2.0, ..tyre },
-        super::MagicFormula { twisting_gain: 2.0, ..tyre },
-        super::MagicFormula { overturning_gain: 2.0, ..tyre },
+        super::MagicFormula {
+            longitudinal_gain: 2.0,
+            ..tyre
+        },
+        super::MagicFormula {
+            cornering_gain: 2.0,
+            ..tyre
+        },
+        super::MagicFormula {
+            camber_gain: 2.0,
+            ..tyre
+        },
+        super::MagicFormula {
+            trail_gain: 2.0,
+            ..tyre
+        },
+        super::MagicFormula {
+            twisting_gain: 2.0,
+            ..tyre
+        },
+        super::MagicFormula {
+            overturning_gain: 2.0,
+            ..tyre
+        },
     ];
     let plain = slopes(tyre);
     for (i, tyre) in scaled.into_iter().enumerate() {

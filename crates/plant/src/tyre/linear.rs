@@ -82,8 +82,14 @@ impl TyreModel for LinearTyre {
     }
     fn validate(&self) -> Result<(), TyreError> {
         contact::positive("nominal_load_n", self.nominal_load_n)?;
-        contact::not_negative("longitudinal_stiffness_ratio", self.longitudinal_stiffness_ratio)?;
-        contact::not_negative("cornering_stiffness_per_rad", self.cornering_stiffness_per_rad)?;
+        contact::not_negative(
+            "longitudinal_stiffness_ratio",
+            self.longitudinal_stiffness_ratio,
+        )?;
+        contact::not_negative(
+            "cornering_stiffness_per_rad",
+            self.cornering_stiffness_per_rad,
+        )?;
         contact::finite("camber_stiffness_per_rad", self.camber_stiffness_per_rad)?;
         contact::finite("pneumatic_trail_m", self.pneumatic_trail_m)?;
         contact::finite("twisting_m_per_rad", self.twisting_m_per_rad)?;

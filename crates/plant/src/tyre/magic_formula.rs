@@ -179,9 +179,8 @@ impl TyreModel for MagicFormula {
         let fe = self.coefficient_load(fz);
         let fz0 = self.nominal_load_n;
         let df = fe.scale(1.0 / fz0) - T::one();
-        let linear = |at_nominal: f64, with_load: f64| {
-            T::from_f64(at_nominal) + df.scale(with_load)
-        };
+        let linear =
+            |at_nominal: f64, with_load: f64| T::from_f64(at_nominal) + df.scale(with_load);
 
         // μx = PDX1, μy = PDY1 exp(PDY2 df)                                              (A2.7)
         let road = contact::road(input.friction_ratio);
@@ -196,18 +195,24 @@ impl TyreModel for MagicFormula {
 
         // Fx = μx Fz sin(Cx atan(Kκ κ / (Cx μx Fz)))                               (A2.1, A2.2)
         let stiffness = self.longitudinal_stiffness_ratio * self.longitudinal_gain;
-        let bx_kappa =
-            input.slip_ratio.scale(stiffness / self.longitudinal_shape_ratio) / mu_x;
+        let bx_kappa = input
+            .slip_ratio
+            .scale(stiffness / self.longitudinal_shape_ratio)
+            / mu_x;
         let (sine, cosine) = contact::shape(self.longitudinal_shape_ratio, bx_kappa);
         let longitudinal_n = mu_x * fz * sine;
         let left = self.combined.side_force_ratio(cosine);
 
         // Kα / Fz = Kαmax Fz0 / √(Fz² + (Kαpeak Fz0)²), because sin(atan x) = x / √(1 + x²) (A2.8)
         let peak = T::from_f64((self.cornering_peak_ratio * fz0).powi(2));
-        let k_alpha = self.cornering_max_per_rad * self.cornering_gain * fz0 / self.slip_shape_ratio;
+        let k_alpha =
+            self.cornering_max_per_rad * self.cornering_gain * fz0 / self.slip_shape_ratio;
         let u = alpha.scale(k_alpha) / ((fe * fe + peak).sqrt() * mu_y);
         // Kγ / Fz = Kγ1 + Kγ2 df                                                        (A2.10)
-        let k_gamma = linear(self.camber_stiffness_per_rad, self.camber_stiffness_load_per_rad);
+        let k_gamma = linear(
+            self.camber_stiffness_per_rad,
+            self.camber_stiffness_load_per_rad,
+        );
         let w = -(gamma * k_gamma).scale(self.camber_gain / self.camber_shape_ratio) / mu_y;
         // Fy = Dy sin(f(α) + g(γ))                                                       (A2.3)
         let dy = mu_y * fz * left;
@@ -258,14 +263,20 @@ impl TyreModel for MagicFormula {
         shape("trail_shape_ratio", self.trail_shape_ratio)?;
         for (name, value) in [
             ("nominal_load_n", self.nominal_load_n),
-            ("longitudinal_friction_ratio", self.longitudinal_friction_ratio),
+            (
+                "longitudinal_friction_ratio",
+                self.longitudinal_friction_ratio,
+            ),
             ("lateral_friction_ratio", self.lateral_friction_ratio),
             ("cornering_peak_ratio", self.cornering_peak_ratio),
         ] {
             contact::positive(name, value)?;
         }
         for (name, value) in [
-            ("longitudinal_stiffness_ratio", self.longitudinal_stiffness_ratio),
+            (
+                "longitudinal_stiffness_ratio",
+                self.longitudinal_stiffness_ratio,
+            ),
             ("rolling_resistance_ratio", self.rolling_resistance_ratio),
             ("overturning_ratio", self.overturning_ratio),
         ] {
@@ -287,7 +298,10 @@ impl TyreModel for MagicFormula {
         )?;
         for (name, value) in [
             ("camber_stiffness_per_rad", self.camber_stiffness_per_rad),
-            ("camber_stiffness_load_per_rad", self.camber_stiffness_load_per_rad),
+            (
+                "camber_stiffness_load_per_rad",
+                self.camber_stiffness_load_per_rad,
+            ),
             ("trail_slope_per_rad", self.trail_slope_per_rad),
             ("trail_slope_load_per_rad", self.trail_slope_load_per_rad),
             ("trail_peak_ratio", self.trail_peak_ratio),
@@ -308,14 +322,23 @@ impl TyreModel for MagicFormula {
             contact::gain(name, value)?;
         }
         if self.frozen_load_n.is_some() && self.load_range_n.is_some() {
-            return Err(TyreError::Exclusive { first: "frozen_load_n", second: "load_range_n" });
+            return Err(TyreError::Exclusive {
+                first: "frozen_load_n",
+                second: "load_range_n",
+            });
         }
         if let Some(load) = self.frozen_load_n {
             contact::positive("frozen_load_n", load)?;
         }
         if let Some([low, high]) = self.load_range_n {
             contact::positive("load_range_n[0]", low)?;
-            contact::within("load_range_n[1]", high, low, f64::MAX, "at least load_range_n[0]")?;
+            contact::within(
+                "load_range_n[1]",
+                high,
+                low,
+                f64::MAX,
+                "at least load_range_n[0]",
+            )?;
         }
         if let Some(length) = self.relaxation_length_m {
             contact::positive("relaxation_length_m", length)?;

@@ -156,8 +156,8 @@ impl MagicFormula1989 {
             * (-f.scale(x[5])).exp();
         let e = (f * (f.scale(x[7]) + T::from_f64(x[8])) + T::from_f64(x[9]))
             * (T::one() - g.abs().scale(x[10]));
-        let sh = g.scale(x[11] * self.twisting_gain)
-            + (f.scale(x[12]) + T::from_f64(x[13])).scale(keep);
+        let sh =
+            g.scale(x[11] * self.twisting_gain) + (f.scale(x[12]) + T::from_f64(x[13])).scale(keep);
         let sv = (f * g * (f.scale(x[14]) + T::from_f64(x[15]))).scale(self.twisting_gain)
             + (f.scale(x[16]) + T::from_f64(x[17])).scale(keep);
         let bx = bcd * self.similar(a + sh, s) / d.scale(x[0]);
@@ -174,7 +174,10 @@ impl TyreModel for MagicFormula1989 {
         let per_load = fz / fe;
         let a = -input.slip_angle_rad.scale(DEGREES);
         let lean_limit = T::from_f64(self.camber_limit_rad);
-        let g = input.camber_rad.clamp(-lean_limit, lean_limit).scale(DEGREES);
+        let g = input
+            .camber_rad
+            .clamp(-lean_limit, lean_limit)
+            .scale(DEGREES);
         let f = fe.scale(1.0e-3);
 
         let road = contact::road(input.friction_ratio);
@@ -230,21 +233,39 @@ impl TyreModel for MagicFormula1989 {
         angle("camber_limit_rad", self.camber_limit_rad)?;
         let [low, high] = self.load_range_n;
         contact::positive("load_range_n[0]", low)?;
-        contact::within("load_range_n[1]", high, low, f64::MAX, "at least load_range_n[0]")?;
+        contact::within(
+            "load_range_n[1]",
+            high,
+            low,
+            f64::MAX,
+            "at least load_range_n[0]",
+        )?;
         for load_n in [low, high] {
             let f = 1e-3 * load_n;
             let peak = |x: &[f64]| x[1] * f + x[2];
-            contact::positive("peak side force at the ends of load_range_n", peak(&self.side_force))?;
-            contact::positive("peak moment at the ends of load_range_n", peak(&self.aligning))?;
+            contact::positive(
+                "peak side force at the ends of load_range_n",
+                peak(&self.side_force),
+            )?;
+            contact::positive(
+                "peak moment at the ends of load_range_n",
+                peak(&self.aligning),
+            )?;
         }
         for (name, value) in [
-            ("longitudinal_stiffness_ratio", self.longitudinal_stiffness_ratio),
+            (
+                "longitudinal_stiffness_ratio",
+                self.longitudinal_stiffness_ratio,
+            ),
             ("rolling_resistance_ratio", self.rolling_resistance_ratio),
             ("overturning_ratio", self.overturning_ratio),
         ] {
             contact::not_negative(name, value)?;
         }
-        contact::positive("longitudinal_friction_ratio", self.longitudinal_friction_ratio)?;
+        contact::positive(
+            "longitudinal_friction_ratio",
+            self.longitudinal_friction_ratio,
+        )?;
         for (name, value) in [
             ("longitudinal_gain", self.longitudinal_gain),
             ("cornering_gain", self.cornering_gain),

@@ -14,6 +14,8 @@ mod sets;
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
+mod dual;
+#[cfg(test)]
 mod figures;
 
 pub use contact::{Combined, Friction, TyreError, Vertical};

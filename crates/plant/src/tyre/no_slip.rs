@@ -28,7 +28,10 @@ impl TyreModel for NoSlip {
         TyreOutput::zero()
     }
     fn vertical(&self) -> Vertical {
-        Vertical { stiffness_n_m: f64::INFINITY, damping_n_s_m: 0.0 }
+        Vertical {
+            stiffness_n_m: f64::INFINITY,
+            damping_n_s_m: 0.0,
+        }
     }
     fn relaxation_length_m(&self) -> Option<f64> {
         None

@@ -24,7 +24,10 @@ pub fn set(name: &str) -> Option<&'static TyreSet> {
 }
 
 /// Vertical spring and damper of Bulsink (2017), table A.1.
-const BULSINK_VERTICAL: Vertical = Vertical { stiffness_n_m: 108_970.0, damping_n_s_m: 5_448.0 };
+const BULSINK_VERTICAL: Vertical = Vertical {
+    stiffness_n_m: 108_970.0,
+    damping_n_s_m: 5_448.0,
+};
 
 /// Bulsink (2017), table A3: tyre 2 (37-622), 4 bar, 400 N.
 const BULSINK_400N: MagicFormula = MagicFormula {
@@ -238,13 +241,19 @@ pub const SETS: &[TyreSet] = &[
     TyreSet {
         name: "bulsink2017_400n",
         about: "table A3 as measured at 400 N, whatever the load",
-        tyre: Tyre::MagicFormula(MagicFormula { frozen_load_n: Some(400.0), ..BULSINK_400N }),
+        tyre: Tyre::MagicFormula(MagicFormula {
+            frozen_load_n: Some(400.0),
+            ..BULSINK_400N
+        }),
     },
     TyreSet {
         name: "bulsink2017_600n",
         about: "table A3 with its load dependence taken to 600 N, whatever the load; the \
                 coefficients measured at 600 N themselves are not published",
-        tyre: Tyre::MagicFormula(MagicFormula { frozen_load_n: Some(600.0), ..BULSINK_400N }),
+        tyre: Tyre::MagicFormula(MagicFormula {
+            frozen_load_n: Some(600.0),
+            ..BULSINK_400N
+        }),
     },
     TyreSet {
         name: "bulsink2017_ellipse",
