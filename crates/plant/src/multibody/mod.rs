@@ -1,1 +1,31 @@
-//! multibody
+//! The multibody bicycle and cyclist: 14 degrees of freedom, nonlinear, on tyres or without slip.
+//!
+//! Rear frame (6), steer, two wheel spins, trunk on a spherical joint at L4-L5 (3), each leg about
+//! its hip-ankle line (2). Any joint can be locked, so rigid rider, passive rider and the
+//! benchmark bicycle are one code. Everything is generic over [`crate::Scalar`].
+
+mod contact;
+mod dynamics;
+mod energy;
+mod error;
+mod inertia;
+mod joints;
+mod model;
+mod parameters;
+mod rider_body;
+mod sets;
+pub mod state;
+mod tree;
+mod validate;
+mod vector;
+
+pub use contact::WheelContact;
+pub use energy::Energy;
+pub use error::MultibodyError;
+pub use model::{Input, Multibody};
+pub use parameters::{
+    Air, Arms, Body, Geometry, Joint, Joints, Leg, Parameters, Rider, Tyres, Wheel,
+};
+pub use rider_body::{Posture, RiderBody};
+pub use sets::{BULSINK_POSTURE, BulsinkBicycle, Case, Reading};
+pub use state::{STATES, State, StateAccess};

@@ -1,0 +1,250 @@
+//! What: where a wheel touches the road, how it slips there, and what the tyre gives back.
+//!
+//! Equation: with n the road normal (down), a the axle (to the right) and γ the camber,
+//! sin γ = a·n, the contact point C lies at hub + l d, d = (n - a sin γ) / cos γ, where
+//! l = h / cos γ and h is the distance of the hub from the road: the intersection of the road
+//! plane, the wheel plane and the plane through the spin axis (Bulsink 2017, figure 3.3). The
+//! radial deflection is ρ = R - l and the load N = (K ρ + B ρ') / cos γ ≥ 0, whose elastic part
+//! is the derivative of ½ K ρ². Slip: tan α = v_y / s, κ = (Ω l - v_x) / s, s = √(v_x² + v_0²),
+//! with v the velocity of C as a point of fork or frame. With a relaxation length σ the slips are
+//! states: σ dα/dt = v_y - |v_x| α.
+//!
+//! Source: Bulsink (2017), section 3.2.1, figure 3.3; Pacejka (2006), Tyre and Vehicle Dynamics,
+//! sections 2.2 and 7.2.1 (relaxation).
+//!
+//! Assumes and ignores: a wheel without thickness (the overturning torque stands for it), one
+//! point of contact, a road that is plane over the contact patch. Pitch rate counts as speed of C.
+//!
+//! Valid for: camber up to 75°; beyond it the geometry is frozen so that a fall stays finite.
+//!
+//! Checked by: energy kept without slip forces (`energy`), tests below.
+
+use super::state::{SLIP, SPIN, STEER_RATE, State};
+use super::tree::Tree;
+use super::vector::{Vec3, add, axpy, cross, dot, lift, scale, sub};
+use super::{dynamics::Pose, inertia::Spatial};
+use crate::Scalar;
+use crate::tyre::{Tyre, TyreInput, TyreModel, TyreOutput};
+
+/// cos² of the largest camber that the contact geometry follows.
+const FLATTEST_COS2: f64 = 0.067;
+
+/// The road under a wheel: a plane with friction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ground<T> {
+    /// A point of the plane, world axes, m.
+    pub point: Vec3<T>,
+    /// Normal, downward, world axes, unit length.
+    pub normal: Vec3<T>,
+    /// Friction coefficient.
+    pub friction: T,
+}
+
+/// Contact geometry of a wheel, in base axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactPoint<T> {
+    /// C from the base origin.
+    pub arm: Vec3<T>,
+    /// Forward, right and down.
+    pub forward: Vec3<T>,
+    pub right: Vec3<T>,
+    pub down: Vec3<T>,
+    /// Sine and one over the cosine of camber.
+    pub sin_camber: T,
+    pub inverse_cos: T,
+    /// Distance hub to C.
+    pub loaded_radius: T,
+    /// Velocity of C as a point of fork or frame.
+    pub velocity: Vec3<T>,
+}
+
+/// Slip, load and forces of a wheel.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelContact<T> {
+    /// Load of the road, N.
+    pub load_n: T,
+    /// Radial deflection of the tyre, m; negative off the ground.
+    pub deflection_m: T,
+    /// Longitudinal slip, driving positive.
+    pub slip_ratio: T,
+    /// Slip angle, rad, positive when the wheel slides to the right.
+    pub slip_angle_rad: T,
+    /// Camber, rad, positive to the right.
+    pub camber_rad: T,
+    /// Forward speed of the contact point, m/s.
+    pub speed_m_s: T,
+    /// Forces and moments of the tyre.
+    pub tyre: TyreOutput<T>,
+}
+
+/// Contact point of a wheel with this hub and axle (base axes). `rate` and `motion`: the steer
+/// joint between base and wheel, if any.
+#[inline(always)]
+pub(super) fn contact_point<T: Scalar>(
+    hub: Vec3<T>,
+    axle: Vec3<T>,
+    joint: Option<(&Spatial<f64>, T)>,
+    v: &Spatial<T>,
+    position: Vec3<T>,
+    pose: &Pose<T>,
+    ground: &Ground<T>,
+    rigid_radius: Option<f64>,
+) -> ContactPoint<T> {
+    let down = super::vector::columns_times(&pose.rotation, ground.normal);
+    let sin_camber = dot(axle, down);
+    let cos2 = T::one() - sin_camber * sin_camber;
+    let inverse_cos = T::one() / cos2.max(T::from_f64(FLATTEST_COS2)).sqrt();
+    let radial = scale(sub(down, scale(axle, sin_camber)), inverse_cos);
+    let forward = scale(cross(axle, down), inverse_cos);
+    let loaded_radius = match rigid_radius {
+        Some(radius) => T::from_f64(radius),
+        // (point - position)·n - hub·n, so that no world vector of the hub is needed.
+        None => (dot(sub(ground.point, position), ground.normal) - dot(hub, down)) * inverse_cos,
+    };
+    let arm = axpy(hub, loaded_radius, radial);
+    let (w, u) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
+    let mut velocity = add(u, cross(w, arm));
+    if let Some((motion, rate)) = joint {
+        let axis: Vec3<T> = lift(&[motion[0], motion[1], motion[2]]);
+        let moment: Vec3<T> = lift(&[motion[3], motion[4], motion[5]]);
+        velocity = axpy(velocity, rate, add(moment, cross(axis, arm)));
+    }
+    ContactPoint {
+        arm,
+        forward,
+        right: cross(down, forward),
+        down,
+        sin_camber,
+        inverse_cos,
+        loaded_radius,
+        velocity,
+    }
+}
+
+/// Both contact points.
+#[inline(always)]
+pub(super) fn contact_points<T: Scalar>(
+    tree: &Tree,
+    x: &State<T>,
+    pose: &Pose<T>,
+    grounds: &[Ground<T>; 2],
+    rigid: bool,
+) -> [ContactPoint<T>; 2] {
+    use super::state::StateAccess;
+    let v = x.base_motion();
+    let position = [x[0], x[1], x[2]];
+    let z = T::zero();
+    let radius = |k: usize| rigid.then_some(tree.wheels[k].radius);
+    [
+        contact_point(
+            [z; 3],
+            [z, T::one(), z],
+            None,
+            &v,
+            position,
+            pose,
+            &grounds[0],
+            radius(0),
+        ),
+        contact_point(
+            pose.front_hub,
+            pose.front_axle,
+            Some((&tree.steer.motion, x[STEER_RATE])),
+            &v,
+            position,
+            pose,
+            &grounds[1],
+            radius(1),
+        ),
+    ]
+}
+
+/// What the tyre does at a contact point. Writes the derivative of the relaxed slips.
+#[inline(always)]
+pub(super) fn tyre_contact<T: Scalar>(
+    wheel: usize,
+    radius: f64,
+    tyre: &Tyre,
+    speed_floor: f64,
+    at: &ContactPoint<T>,
+    x: &State<T>,
+    friction: T,
+    dx: &mut State<T>,
+) -> WheelContact<T> {
+    let zero = T::zero();
+    let speed = dot(at.velocity, at.forward);
+    let slide = dot(at.velocity, at.right);
+    let sink = dot(at.velocity, at.down);
+    let deflection = T::from_f64(radius) - at.loaded_radius;
+    let vertical = tyre.vertical();
+    let spring = deflection.scale(vertical.stiffness_n_m)
+        + (sink * at.inverse_cos).scale(vertical.damping_n_s_m);
+    let load = deflection.select((spring * at.inverse_cos).max(zero), zero);
+
+    let floor = T::from_f64(speed_floor);
+    let reference = (speed * speed + floor * floor).sqrt();
+    let creep = x[SPIN + wheel] * at.loaded_radius - speed;
+    let (tangent, ratio) = match tyre.relaxation_length_m() {
+        Some(length) => {
+            let (tangent, ratio) = (x[SLIP + wheel], x[SLIP + 2 + wheel]);
+            dx[SLIP + wheel] = (slide - reference * tangent).scale(1.0 / length);
+            dx[SLIP + 2 + wheel] = (creep - reference * ratio).scale(1.0 / length);
+            (tangent, ratio)
+        }
+        None => {
+            dx[SLIP + wheel] = zero;
+            dx[SLIP + 2 + wheel] = zero;
+            let inverse = T::one() / reference;
+            (slide * inverse, creep * inverse)
+        }
+    };
+    let camber = (at.sin_camber * at.inverse_cos).atan();
+    let slip_angle = tangent.atan();
+    let input = TyreInput {
+        load_n: load,
+        slip_ratio: ratio,
+        slip_angle_rad: slip_angle,
+        camber_rad: camber,
+        speed_m_s: speed,
+        friction_ratio: friction,
+        radius_m: radius,
+    };
+    WheelContact {
+        load_n: load,
+        deflection_m: deflection,
+        slip_ratio: ratio,
+        slip_angle_rad: slip_angle,
+        camber_rad: camber,
+        speed_m_s: speed,
+        tyre: tyre.output(&input),
+    }
+}
+
+/// Wrench about the base origin (base axes) and torque that speeds up the wheel.
+#[inline(always)]
+pub(super) fn wheel_wrench<T: Scalar>(
+    at: &ContactPoint<T>,
+    axle: Vec3<T>,
+    c: &WheelContact<T>,
+) -> (Spatial<T>, T) {
+    let t = &c.tyre;
+    let force: Vec3<T> = core::array::from_fn(|k| {
+        at.forward[k] * t.longitudinal_n + at.right[k] * t.lateral_n - at.down[k] * c.load_n
+    });
+    let turn = cross(at.arm, force);
+    let moment: Vec3<T> = core::array::from_fn(|k| {
+        turn[k]
+            + at.down[k] * t.aligning_nm
+            + at.forward[k] * t.overturning_nm
+            + axle[k] * t.rolling_resistance_nm
+    });
+    let spin = -(t.longitudinal_n * at.loaded_radius
+        + t.aligning_nm * at.sin_camber
+        + t.rolling_resistance_nm);
+    (
+        [
+            moment[0], moment[1], moment[2], force[0], force[1], force[2],
+        ],
+        spin,
+    )
+}
