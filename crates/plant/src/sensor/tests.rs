@@ -357,9 +357,9 @@ fn late_samples_are_late_by_the_tick_and_dead_sensors_age() {
         300,
     );
     assert_eq!(late[99].imu.stamp_ns, 99_000_000);
-    for ms in 100..200 {
-        assert_eq!(late[ms].imu.stamp_ns, (ms as u64 - 30) * 1_000_000);
-        assert_eq!(late[ms].steer.stamp_ns, ms as u64 * 1_000_000);
+    for (ms, m) in (0..).zip(&late).skip(100).take(100) {
+        assert_eq!(m.imu.stamp_ns, (ms - 30) * 1_000_000);
+        assert_eq!(m.steer.stamp_ns, ms * 1_000_000);
     }
     assert_eq!(late[200].imu.stamp_ns, 200_000_000);
     let dead = record(
