@@ -1,1 +1,13 @@
-//! diagnose
+#![forbid(unsafe_code)]
+//! What the simulation gets wrong: measured rides against the model.
+//!
+//! [`Study`] is the file that names rides, channels and bicycle; [`data`] reads the rides;
+//! [`compare`] predicts them and says how far the model is off.
+
+pub mod compare;
+pub mod data;
+pub mod quantity;
+pub mod study;
+
+pub use quantity::Quantity;
+pub use study::{Study, StudyError};

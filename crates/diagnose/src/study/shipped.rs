@@ -1,0 +1,12 @@
+//! Studies that ship inside the binary. Their rides are the publishers' and do not.
+
+/// Names of the studies.
+pub const NAMES: &[&str] = &["davis_instrumented_105"];
+
+/// The text of a study.
+pub fn text(name: &str) -> Option<&'static str> {
+    match name {
+        "davis_instrumented_105" => Some(include_str!("../../studies/davis_instrumented_105.toml")),
+        _ => None,
+    }
+}
