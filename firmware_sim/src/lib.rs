@@ -1,1 +1,72 @@
-//! firmware_sim
+//! The controller process: the control crate in a fixed-step loop behind the link.
+//!
+//! [`Firmware::tick`] is all that happens in a tick, and it is the same code whether the plant
+//! calls it in its own process ([`in_process`]) or sends its frames over shared memory ([`run`]):
+//! both give the same bits. This crate never sees the plant.
+
+mod law_file;
+mod run;
+mod summary;
+
+pub use law_file::{LawFileError, parse_law, read_law};
+pub use run::{Options, run};
+pub use summary::{Ended, Quantiles, Summary};
+
+use twinhub_control::{Config, Controller};
+use twinhub_types::messages::PROTOCOL_HASH;
+use twinhub_types::{ControllerFrame, Header, Instant, Output, PlantFrame};
+
+/// The controller with the last frame that it was given.
+pub struct Firmware {
+    controller: Controller,
+    last: PlantFrame,
+    output: Output,
+}
+
+impl Firmware {
+    /// A controller at rest.
+    pub fn new(config: &Config) -> Self {
+        Self {
+            controller: Controller::new(config),
+            last: PlantFrame::default(),
+            output: Output::default(),
+        }
+    }
+
+    /// One tick: the answer to the plant's `frame`.
+    #[inline]
+    pub fn tick(&mut self, frame: &PlantFrame) -> ControllerFrame {
+        let now = Instant::from_nanos(frame.header.time_ns);
+        self.output = self.controller.step(now, &frame.measurement, &frame.intent);
+        self.last = *frame;
+        ControllerFrame {
+            header: Header {
+                protocol_hash: PROTOCOL_HASH,
+                ..frame.header
+            },
+            output: self.output,
+        }
+    }
+
+    /// One tick without a frame: the clock goes on, the samples of the last frame grow older.
+    pub fn tick_without_frame(&mut self) -> &Output {
+        let tick_ns = twinhub_types::conventions::TICK.as_nanos();
+        self.last.header.time_ns = self.last.header.time_ns.saturating_add(tick_ns);
+        let now = Instant::from_nanos(self.last.header.time_ns);
+        self.output = self
+            .controller
+            .step(now, &self.last.measurement, &self.last.intent);
+        &self.output
+    }
+
+    /// What the controller asked for last.
+    pub fn output(&self) -> &Output {
+        &self.output
+    }
+}
+
+/// The controller for a plant in the same process.
+pub fn in_process(config: &Config) -> impl FnMut(&PlantFrame) -> ControllerFrame + use<> {
+    let mut firmware = Firmware::new(config);
+    move |frame| firmware.tick(frame)
+}

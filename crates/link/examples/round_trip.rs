@@ -196,12 +196,13 @@ fn main() -> Result<(), Any> {
         _ => {}
     }
     let pid = std::process::id();
-    println!("{ticks} ticks, us       p50      p99    p99.9      max");
+    println!("{ticks} ticks, us     mean      p50      p99    p99.9      max");
     let row = |name: &str, times: Histogram<u64>| {
         let us = |q: f64| times.value_at_quantile(q) as f64 * 1e-3;
         let max = times.max() as f64 * 1e-3;
         println!(
-            "{name:<18} {:8.2} {:8.2} {:8.2} {max:8.0}",
+            "{name:<18} {:8.2} {:8.2} {:8.2} {:8.2} {max:8.0}",
+            times.mean() * 1e-3,
             us(0.5),
             us(0.99),
             us(0.999)

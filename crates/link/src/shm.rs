@@ -104,6 +104,7 @@ impl<O: Slot, I: Slot> Channels<O, I> {
             .subscriber_builder()
             .create()
             .map_err(|e| failed("creating the subscriber", e))?;
+        close_to_others(session)?;
         Ok(Self {
             publisher,
             subscriber,

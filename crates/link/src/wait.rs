@@ -3,7 +3,7 @@
 //! Spinning answers within a microsecond but takes a core; it pays while both sides run on cores
 //! of their own. The time spent on it follows success: a wait that ends while spinning doubles
 //! the next one's limit, one that does not halves it, and every 64th wait tries the full limit
-//! again. So a single core, or a machine with other work, falls back to sleeping by itself.
+//! and keeps it where that succeeds. So a single core, or a machine with other work, falls back to sleeping by itself.
 
 use crate::LinkError;
 use crate::bell::Bell;
@@ -36,7 +36,7 @@ impl std::str::FromStr for Waiting {
 /// Longest spin.
 const SPIN_MAX: Duration = Duration::from_micros(100);
 /// Shortest spin, while spinning is allowed at all.
-const SPIN_MIN: Duration = Duration::from_micros(1);
+const SPIN_MIN: Duration = Duration::from_micros(8);
 /// How long to yield between spinning and sleeping.
 const YIELD: Duration = Duration::from_micros(50);
 /// Longest sleep before the stop flag is looked at.
@@ -91,7 +91,11 @@ impl Waiter {
             let probe = self.waits.is_multiple_of(64);
             let limit = if probe { SPIN_MAX } else { self.limit };
             if let Some(frame) = spin(limit, &mut take)? {
-                self.limit = (limit * 2).min(SPIN_MAX);
+                self.limit = if probe {
+                    SPIN_MAX
+                } else {
+                    (limit * 2).min(SPIN_MAX)
+                };
                 return Ok(Some(frame));
             }
             self.limit = (self.limit / 2).max(SPIN_MIN);
