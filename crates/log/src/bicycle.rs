@@ -7,6 +7,7 @@
 //! Assumes and ignores: pitch is zero and the wheels stay on the ground's height when upright;
 //! it is a picture, not a measurement.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use twinhub_types::Instant;
 
@@ -147,18 +148,131 @@ impl BicycleShape {
         lines.push(line(0, 0.03, FORK, &steered(&[bar(-1.0), head, bar(1.0)])));
 
         let ns = at.as_nanos();
-        json!({"deletions": [], "entities": [{
-            "timestamp": {"sec": ns / 1_000_000_000, "nsec": ns % 1_000_000_000},
-            "frame_id": "bicycle",
-            "id": "bicycle",
-            "lifetime": {"sec": 0, "nsec": 0},
-            "frame_locked": false,
-            "metadata": [], "arrows": [], "cubes": [], "spheres": [], "cylinders": [],
-            "lines": lines,
-            "triangles": [], "texts": [], "models": [],
-        }]})
-        .to_string()
+        let timestamp = Time {
+            sec: ns / 1_000_000_000,
+            nsec: ns % 1_000_000_000,
+        };
+        let entity = Entity {
+            timestamp,
+            lines,
+            ..Entity::default()
+        };
+        let update = SceneUpdate {
+            deletions: [],
+            entities: [entity],
+        };
+        // Plain structs of numbers and texts: nothing in them can fail to be JSON.
+        serde_json::to_string(&update).unwrap_or_default()
     }
+}
+
+/// Always an empty list.
+type Nothing = [u8; 0];
+
+#[derive(Serialize)]
+struct SceneUpdate {
+    deletions: Nothing,
+    entities: [Entity; 1],
+}
+
+#[derive(Serialize, Default, Clone, Copy)]
+struct Time {
+    sec: u64,
+    nsec: u64,
+}
+
+/// Fields of `foxglove.SceneEntity`, in its order.
+#[derive(Serialize)]
+struct Entity {
+    timestamp: Time,
+    frame_id: &'static str,
+    id: &'static str,
+    lifetime: Time,
+    frame_locked: bool,
+    metadata: Nothing,
+    arrows: Nothing,
+    cubes: Nothing,
+    spheres: Nothing,
+    cylinders: Nothing,
+    lines: Vec<Line>,
+    triangles: Nothing,
+    texts: Nothing,
+    models: Nothing,
+}
+
+impl Default for Entity {
+    fn default() -> Self {
+        Self {
+            timestamp: Time::default(),
+            frame_id: "bicycle",
+            id: "bicycle",
+            lifetime: Time::default(),
+            frame_locked: false,
+            metadata: [],
+            arrows: [],
+            cubes: [],
+            spheres: [],
+            cylinders: [],
+            lines: Vec::new(),
+            triangles: [],
+            texts: [],
+            models: [],
+        }
+    }
+}
+
+/// Fields of `foxglove.LinePrimitive`, in its order.
+#[derive(Serialize)]
+struct Line {
+    #[serde(rename = "type")]
+    kind: u8,
+    pose: Pose,
+    thickness: f64,
+    scale_invariant: bool,
+    points: Vec<Xyz>,
+    color: Rgba,
+    colors: Nothing,
+    indices: Nothing,
+}
+
+#[derive(Serialize, Default)]
+struct Pose {
+    position: Xyz,
+    orientation: Quaternion,
+}
+
+#[derive(Serialize, Default)]
+struct Xyz {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+#[derive(Serialize)]
+struct Quaternion {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+impl Default for Quaternion {
+    fn default() -> Self {
+        Self {
+            x: 0.0,
+            y: 0.0,
+            z: 0.0,
+            w: 1.0,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Rgba {
+    r: f64,
+    g: f64,
+    b: f64,
+    a: f64,
 }
 
 /// A closed rim in the plane of the frame.
@@ -185,7 +299,7 @@ fn spokes(hub: Point, radius_m: f64, turned_rad: f64) -> Vec<Point> {
 }
 
 /// A square of ground around the bicycle; the lines stay where they are while it moves.
-fn ground_lines(pose: &ScenePose) -> Vec<Value> {
+fn ground_lines(pose: &ScenePose) -> Vec<Line> {
     let reach = 5;
     let first = |at_m: f64| libm::floor(at_m / GRID_M) * GRID_M - at_m;
     let (x0, y0) = (first(pose.x_m), first(pose.y_m));
@@ -201,24 +315,26 @@ fn ground_lines(pose: &ScenePose) -> Vec<Value> {
 }
 
 /// A line primitive: 0 strip, 2 pairs.
-fn line(kind: u8, thickness_m: f64, color: [f64; 4], points: &[Point]) -> Value {
+fn line(kind: u8, thickness: f64, [r, g, b, a]: [f64; 4], points: &[Point]) -> Line {
     let round = |value: f64| libm::round(value * 1e4) / 1e4;
-    // Foxglove: z up, y to the left.
-    let points: Vec<Value> = points
-        .iter()
-        .map(|p| json!({"x": round(p[0]), "y": round(-p[1]), "z": round(-p[2])}))
-        .collect();
-    json!({
-        "type": kind,
-        "pose": {"position": {"x": 0.0, "y": 0.0, "z": 0.0},
-                 "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
-        "thickness": thickness_m,
-        "scale_invariant": false,
-        "points": points,
-        "color": {"r": color[0], "g": color[1], "b": color[2], "a": color[3]},
-        "colors": [],
-        "indices": [],
-    })
+    Line {
+        kind,
+        pose: Pose::default(),
+        thickness,
+        scale_invariant: false,
+        // Foxglove: z up, y to the left.
+        points: points
+            .iter()
+            .map(|p| Xyz {
+                x: round(p[0]),
+                y: round(-p[1]),
+                z: round(-p[2]),
+            })
+            .collect(),
+        color: Rgba { r, g, b, a },
+        colors: [],
+        indices: [],
+    }
 }
 
 fn about_x(angle: f64) -> Rotation {

@@ -64,21 +64,28 @@ pub(crate) fn put_header(
     out.extend_from_slice(&header);
 }
 
-/// One record of a batch and the rest.
-fn take_record(bytes: &[u8]) -> Option<(usize, u64, u64, &[u8], &[u8])> {
+/// One record of a batch.
+struct Taken<'a> {
+    topic: usize,
+    publish_time: u64,
+    log_time: u64,
+    payload: &'a [u8],
+}
+
+/// The first record of a batch and the rest of the batch.
+fn take_record(bytes: &[u8]) -> Option<(Taken<'_>, &[u8])> {
     let (topic, rest) = bytes.split_first_chunk()?;
     let (length, rest) = rest.split_first_chunk()?;
     let (publish, rest) = rest.split_first_chunk()?;
     let (log, rest) = rest.split_first_chunk()?;
     let (payload, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-    let topic = u32::from_le_bytes(*topic) as usize;
-    Some((
-        topic,
-        u64::from_le_bytes(*publish),
-        u64::from_le_bytes(*log),
+    let taken = Taken {
+        topic: u32::from_le_bytes(*topic) as usize,
+        publish_time: u64::from_le_bytes(*publish),
+        log_time: u64::from_le_bytes(*log),
         payload,
-        rest,
-    ))
+    };
+    Some((taken, rest))
 }
 
 struct Open {
@@ -110,6 +117,8 @@ impl Drain {
             .library(concat!("twinhub ", env!("CARGO_PKG_VERSION")))
             .compression(None)
             .chunk_size(None)
+            // Every chunk has a checksum of its own.
+            .calculate_data_section_crc(false)
             // A chunk is put together in memory and written in one go.
             .disable_seeking(true)
             .create(BufWriter::with_capacity(1 << 18, file))?;
@@ -161,9 +170,15 @@ impl Drain {
         }
         self.notes.extend(batch.notes);
         let mut rest = &batch.bytes[..];
-        while let Some((index, publish_time, log_time, payload, after)) = take_record(rest) {
+        while let Some((record, after)) = take_record(rest) {
             rest = after;
-            let Some(topic) = self.topics.get_mut(index) else {
+            let Taken {
+                topic,
+                publish_time,
+                log_time,
+                payload,
+            } = record;
+            let Some(topic) = self.topics.get_mut(topic) else {
                 continue;
             };
             let header = MessageHeader {

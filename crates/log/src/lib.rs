@@ -1,7 +1,7 @@
 #![forbid(unsafe_code)]
 //! Ride logs: MCAP files that Foxglove, PlotJuggler, `rosbag`-like tools and Python open.
 //!
-//! [`RideLog`] writes, `read` reads, [`row!`] declares what a topic of plain numbers holds.
+//! [`RideLog`] writes, [`read`] reads, [`row!`] declares what a topic of plain numbers holds.
 //!
 //! What is in a log
 //! * Metadata `twinhub` (version, git hash, config digest, seed) and the resolved configuration
@@ -24,8 +24,12 @@ mod digest;
 mod drain;
 mod error;
 mod event;
+mod layouts;
+mod reader;
 mod record;
+mod records;
 mod schema;
+mod table;
 mod topics;
 mod writer;
 
@@ -33,8 +37,11 @@ pub use bicycle::{BicycleShape, ScenePose};
 pub use digest::{DigestStream, digest_text};
 pub use error::LogError;
 pub use event::{Event, Level};
+pub use layouts::{FOXGLOVE_LAYOUT, PLOTJUGGLER_LAYOUT, check_layouts};
+pub use reader::{Attachment, FILE_MAX, LogFile, Recovery, read};
 pub use record::{Record, Row, has_unit, put_row};
 pub use schema::row_schema;
+pub use table::{Column, Table, TextRecord};
 pub use topics::{
     CONTROL_OUTPUT, EVENT, LINK_TIMING, PLANT_TRUTH, RIDER_INTENT, RIDER_STATE, SCENE,
     SENSOR_MEASUREMENT,
