@@ -3,7 +3,7 @@
 //! What: between `start_s` and `end_s` one channel, or all of one sensor, does what `kind` says;
 //! later faults of a list see the output of earlier ones. Equation: see [`FaultKind`]. Source: our
 //! own list. Assumes and ignores: faults of the link (lost, late, repeated or corrupted frames)
-//! are the link's. Valid for: any suite. Checked by: the tests of this module's parent.
+//! are the link's. Valid for: any suite. Checked by: `fault_tests.rs`.
 
 use serde::{Deserialize, Serialize};
 use twinhub_types::{Duration, Instant, Measurement};

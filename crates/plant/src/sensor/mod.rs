@@ -148,4 +148,6 @@ twinhub_types::registry! {
 }
 
 #[cfg(test)]
+mod fault_tests;
+#[cfg(test)]
 mod tests;
