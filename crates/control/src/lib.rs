@@ -1,5 +1,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::manual_clamp,
+    reason = "`f32::clamp` can panic; `max` and `min` also drop NaN"
+)]
 //! The stabilizer: from what the bicycle's sensors say to the torques of its two hub motors,
 //! once per tick. `no_std`, no allocation, no clock of its own, no panic, `f32`.
 //!
