@@ -7,9 +7,9 @@
 //! Assumes and ignores: pitch is zero and the wheels stay on the ground's height when upright;
 //! it is a picture, not a measurement.
 
-use serde::Serialize;
-use serde_json::{Value, json};
 use twinhub_types::Instant;
+
+use crate::scene::{self, Line, line};
 
 /// What the picture needs to know of the bicycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,9 +64,6 @@ impl ScenePose {
         }
     }
 }
-
-/// Name of the schema.
-pub(crate) const SCHEMA_NAME: &str = "foxglove.SceneUpdate";
 
 type Point = [f64; 3];
 type Rotation = [Point; 3];
@@ -147,132 +144,8 @@ impl BicycleShape {
         lines.push(line(0, 0.035, FORK, &steered(&[front_hub, crown, head])));
         lines.push(line(0, 0.03, FORK, &steered(&[bar(-1.0), head, bar(1.0)])));
 
-        let ns = at.as_nanos();
-        let timestamp = Time {
-            sec: ns / 1_000_000_000,
-            nsec: ns % 1_000_000_000,
-        };
-        let entity = Entity {
-            timestamp,
-            lines,
-            ..Entity::default()
-        };
-        let update = SceneUpdate {
-            deletions: [],
-            entities: [entity],
-        };
-        // Plain structs of numbers and texts: nothing in them can fail to be JSON.
-        serde_json::to_string(&update).unwrap_or_default()
+        scene::json(at, lines)
     }
-}
-
-/// Always an empty list.
-type Nothing = [u8; 0];
-
-#[derive(Serialize)]
-struct SceneUpdate {
-    deletions: Nothing,
-    entities: [Entity; 1],
-}
-
-#[derive(Serialize, Default, Clone, Copy)]
-struct Time {
-    sec: u64,
-    nsec: u64,
-}
-
-/// Fields of `foxglove.SceneEntity`, in its order.
-#[derive(Serialize)]
-struct Entity {
-    timestamp: Time,
-    frame_id: &'static str,
-    id: &'static str,
-    lifetime: Time,
-    frame_locked: bool,
-    metadata: Nothing,
-    arrows: Nothing,
-    cubes: Nothing,
-    spheres: Nothing,
-    cylinders: Nothing,
-    lines: Vec<Line>,
-    triangles: Nothing,
-    texts: Nothing,
-    models: Nothing,
-}
-
-impl Default for Entity {
-    fn default() -> Self {
-        Self {
-            timestamp: Time::default(),
-            frame_id: "bicycle",
-            id: "bicycle",
-            lifetime: Time::default(),
-            frame_locked: false,
-            metadata: [],
-            arrows: [],
-            cubes: [],
-            spheres: [],
-            cylinders: [],
-            lines: Vec::new(),
-            triangles: [],
-            texts: [],
-            models: [],
-        }
-    }
-}
-
-/// Fields of `foxglove.LinePrimitive`, in its order.
-#[derive(Serialize)]
-struct Line {
-    #[serde(rename = "type")]
-    kind: u8,
-    pose: Pose,
-    thickness: f64,
-    scale_invariant: bool,
-    points: Vec<Xyz>,
-    color: Rgba,
-    colors: Nothing,
-    indices: Nothing,
-}
-
-#[derive(Serialize, Default)]
-struct Pose {
-    position: Xyz,
-    orientation: Quaternion,
-}
-
-#[derive(Serialize, Default)]
-struct Xyz {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-#[derive(Serialize)]
-struct Quaternion {
-    x: f64,
-    y: f64,
-    z: f64,
-    w: f64,
-}
-
-impl Default for Quaternion {
-    fn default() -> Self {
-        Self {
-            x: 0.0,
-            y: 0.0,
-            z: 0.0,
-            w: 1.0,
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct Rgba {
-    r: f64,
-    g: f64,
-    b: f64,
-    a: f64,
 }
 
 /// A closed rim in the plane of the frame.
@@ -314,29 +187,6 @@ fn ground_lines(pose: &ScenePose) -> Vec<Line> {
     vec![line(2, 0.01, GREY, &points)]
 }
 
-/// A line primitive: 0 strip, 2 pairs.
-fn line(kind: u8, thickness: f64, [r, g, b, a]: [f64; 4], points: &[Point]) -> Line {
-    let round = |value: f64| libm::round(value * 1e4) / 1e4;
-    Line {
-        kind,
-        pose: Pose::default(),
-        thickness,
-        scale_invariant: false,
-        // Foxglove: z up, y to the left.
-        points: points
-            .iter()
-            .map(|p| Xyz {
-                x: round(p[0]),
-                y: round(-p[1]),
-                z: round(-p[2]),
-            })
-            .collect(),
-        color: Rgba { r, g, b, a },
-        colors: [],
-        indices: [],
-    }
-}
-
 fn about_x(angle: f64) -> Rotation {
     let (s, c) = (libm::sin(angle), libm::cos(angle));
     [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
@@ -367,41 +217,10 @@ fn apply(rotation: &Rotation, p: Point) -> Point {
     std::array::from_fn(|i| (0..3).map(|k| rotation[i][k] * p[k]).sum())
 }
 
-/// The part of the published `foxglove.SceneUpdate` schema that the scenes use.
-pub(crate) fn schema() -> String {
-    let number = json!({"type": "number"});
-    let integer = json!({"type": "integer"});
-    let text = json!({"type": "string"});
-    let object = |properties: Value| json!({"type": "object", "properties": properties});
-    let list = |items: Value| json!({"type": "array", "items": items});
-    let time = object(json!({"sec": integer, "nsec": integer}));
-    let point = object(json!({"x": number, "y": number, "z": number}));
-    let color = object(json!({"r": number, "g": number, "b": number, "a": number}));
-    let pose = object(json!({
-        "position": point,
-        "orientation": object(json!({"x": number, "y": number, "z": number, "w": number})),
-    }));
-    let line = object(json!({
-        "type": integer, "pose": pose, "thickness": number, "scale_invariant": {"type": "boolean"},
-        "points": list(point), "color": color, "colors": list(color.clone()), "indices": list(integer.clone()),
-    }));
-    let any = list(json!({"type": "object"}));
-    let entity = object(json!({
-        "timestamp": time, "frame_id": text, "id": text, "lifetime": time,
-        "frame_locked": {"type": "boolean"},
-        "metadata": list(object(json!({"key": text, "value": text}))),
-        "arrows": any, "cubes": any, "spheres": any, "cylinders": any, "lines": list(line),
-        "triangles": any, "texts": any, "models": any,
-    }));
-    let deletion = object(json!({"timestamp": time, "type": integer, "id": text}));
-    let mut schema = object(json!({"deletions": list(deletion), "entities": list(entity)}));
-    schema["title"] = json!(SCHEMA_NAME);
-    schema.to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::Value;
 
     const SHAPE: BicycleShape = BicycleShape {
         wheelbase_m: 1.02,
@@ -464,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_scene_has_the_fields_of_its_schema() {
-        let schema: Value = serde_json::from_str(&schema()).expect("schema is JSON");
+        let schema: Value = serde_json::from_str(&scene::schema()).expect("schema is JSON");
         let scene = scene(&ScenePose::from_bytes(&f64::NAN.to_le_bytes()));
         let entity = &schema["properties"]["entities"]["items"]["properties"];
         let line = &entity["lines"]["items"]["properties"];

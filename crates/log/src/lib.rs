@@ -28,6 +28,7 @@ mod layouts;
 mod reader;
 mod record;
 mod records;
+mod scene;
 mod schema;
 mod table;
 mod topics;

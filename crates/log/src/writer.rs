@@ -187,8 +187,8 @@ impl RideLog {
 
     /// Registers the topic `/scene`, in which [`scene`](Self::scene) draws a bicycle of `shape`.
     pub fn scene_topic(&mut self, shape: BicycleShape) -> Result<(), LogError> {
-        let name = crate::bicycle::SCHEMA_NAME.to_string();
-        let text = crate::bicycle::schema().into_bytes();
+        let name = crate::scene::SCHEMA_NAME.to_string();
+        let text = crate::scene::schema().into_bytes();
         self.scene = Some(self.register(topics::SCENE, Kind::Scene(shape), name, text)?);
         Ok(())
     }
