@@ -177,11 +177,13 @@ mod tests {
     fn one_corrupted_sample_is_bridged_and_a_second_of_them_is_not() {
         let mut senses = Senses::default();
         let intent = RiderIntent::default();
-        let mut meas = Measurement::default();
-        meas.steer = SteerSample {
-            stamp_ns: 0,
-            steer_rad: 0.1,
-            steer_rate_rad_s: f32::NAN,
+        let mut meas = Measurement {
+            steer: SteerSample {
+                stamp_ns: 0,
+                steer_rad: 0.1,
+                steer_rate_rad_s: f32::NAN,
+            },
+            ..Measurement::default()
         };
         let at = |ms: u64| Instant::from_nanos(ms * 1_000_000);
         assert_eq!(
@@ -211,13 +213,15 @@ mod tests {
     #[test]
     fn samples_from_the_future_are_not_believed() {
         let mut senses = Senses::default();
-        let mut meas = Measurement::default();
-        meas.wheels = WheelSample {
-            stamp_ns: 2,
-            front_rad_s: 1.0,
-            rear_rad_s: 1.0,
-            speed_m_s: 0.3,
-            reserved: 0,
+        let meas = Measurement {
+            wheels: WheelSample {
+                stamp_ns: 2,
+                front_rad_s: 1.0,
+                rear_rad_s: 1.0,
+                speed_m_s: 0.3,
+                reserved: 0,
+            },
+            ..Measurement::default()
         };
         let seen = senses.read(Instant::from_nanos(1), &meas, &RiderIntent::default());
         assert!(seen.wheels.is_none() && !seen.link);

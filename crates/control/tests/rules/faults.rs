@@ -76,15 +76,15 @@ fn a_lost_link_is_zero_within_200_ms_and_clears_after_a_second() {
         *m = meas;
         *i = intent;
     };
-    ride.go(19, &frozen);
+    ride.go(19, frozen);
     assert!(
         ride.health().is_ok() && (ride.front_nm() - 40.0).abs() < 1e-3,
         "20 ms are bridged"
     );
-    ride.go(3, &frozen);
+    ride.go(3, frozen);
     assert!(ride.health().any(Health::LINK_LOST) && ride.mode() == Mode::Fault);
     assert!(ride.front_nm() > 35.0, "ramped, not dropped");
-    ride.go(178, &frozen);
+    ride.go(178, frozen);
     assert_eq!(
         (ride.front_nm(), ride.last.command.rear_traction_nm),
         (0.0, 0.0)
