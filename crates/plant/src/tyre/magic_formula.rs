@@ -204,7 +204,8 @@ impl TyreModel for MagicFormula {
         let left = self.combined.side_force_ratio(cosine);
 
         // Kα / Fz = Kαmax Fz0 / √(Fz² + (Kαpeak Fz0)²), because sin(atan x) = x / √(1 + x²) (A2.8)
-        let peak = T::from_f64((self.cornering_peak_ratio * fz0).powi(2));
+        let peak = self.cornering_peak_ratio * fz0;
+        let peak = T::from_f64(peak * peak);
         let k_alpha =
             self.cornering_max_per_rad * self.cornering_gain * fz0 / self.slip_shape_ratio;
         let u = alpha.scale(k_alpha) / ((fe * fe + peak).sqrt() * mu_y);
