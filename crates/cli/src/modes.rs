@@ -312,7 +312,7 @@ fn print_table(modes: &Modes) {
         } else {
             format!(
                 "{} {:.2}",
-                if worst > 0.0 { "grows" } else { "stable" },
+                if worst > 0.0 { "grows" } else { "decays" },
                 1.0 / worst.abs()
             )
         };

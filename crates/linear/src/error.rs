@@ -58,6 +58,15 @@ pub enum BicycleError {
         /// How to mend it.
         hint: String,
     },
+    /// What stands after `+` is a whole bicycle.
+    #[error(
+        "`{found}` is a whole bicycle; after `+`, accepted: a rider's file with mB, xB, zB, IBxx, \
+         IByy, IBzz, IBxz and no other of the bicycle's keys"
+    )]
+    NotARider {
+        /// As given.
+        found: String,
+    },
     /// A bicycle TOML file is malformed.
     #[error("{}: {message}", path.display())]
     Toml {

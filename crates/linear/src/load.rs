@@ -108,14 +108,11 @@ fn whole(name: &str, path: &Path, entries: &Entries) -> Result<Bicycle, BicycleE
 /// `bicycle` with the rider of file `spec` rigidly on its rear body.
 fn with_rider(mut bicycle: Bicycle, spec: &str) -> Result<Bicycle, BicycleError> {
     let path = Path::new(spec);
+    let not_a_rider = || BicycleError::NotARider {
+        found: spec.to_owned(),
+    };
     let Part::File(name, entries) = part(spec)? else {
-        return Err(BicycleError::Missing {
-            path: path.to_owned(),
-            keys: Vec::new(),
-            hint: "none, and that is wrong: after `+` a rider's file is accepted (mB, xB, zB, IBxx, IByy, IBzz, IBxz), \
-                   not a whole bicycle"
-                .to_owned(),
-        });
+        return Err(not_a_rider());
     };
     let keys: Vec<_> = RIDER_KEYS
         .iter()
@@ -129,16 +126,8 @@ fn with_rider(mut bicycle: Bicycle, spec: &str) -> Result<Bicycle, BicycleError>
             hint: " (of a rider)".to_owned(),
         });
     }
-    if let Some((key, entry)) = entries.iter().find(|(k, _)| !RIDER_KEYS.contains(k)) {
-        return Err(BicycleError::Line {
-            path: path.to_owned(),
-            line: 0,
-            key: (*key).to_owned(),
-            found: entry.value.to_string(),
-            accepted:
-                "a rider's file (mB, xB, zB, IBxx, IByy, IBzz, IBxz) after `+`, not a whole bicycle"
-                    .to_owned(),
-        });
+    if entries.keys().any(|k| !RIDER_KEYS.contains(k)) {
+        return Err(not_a_rider());
     }
     let mut rider = Parameters::ZERO;
     for (key, entry) in &entries {

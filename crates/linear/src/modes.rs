@@ -89,10 +89,21 @@ const FOLLOW_STEP_M_S: f64 = 0.02;
 const NAMING_SPEED_M_S: f64 = 10.0;
 
 impl Modes {
-    /// Modes at `speeds_m_s` (ascending, finite) under a constant torque pair.
+    /// Modes at `speeds_m_s` (finite, from zero up) under a constant torque pair. Crossings and
+    /// ranges lie between the least and the greatest of them; there are none without two speeds. Without any finite
+    /// speed there are no points either, and both verdicts are the cautious ones.
     pub fn over(bicycle: &Canonical, pair: MotorPair, speeds_m_s: &[f64]) -> Self {
         let low = speeds_m_s.iter().copied().fold(f64::INFINITY, f64::min);
         let high = speeds_m_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if !(low.is_finite() && high.is_finite()) {
+            return Self {
+                points: Vec::new(),
+                criticals: Vec::new(),
+                stable_ranges_m_s: Vec::new(),
+                weave: Verdict::AlwaysUnstable,
+                capsize: Verdict::AlwaysUnstable,
+            };
+        }
         let (criticals, grid) = (
             bicycle.critical_speeds_m_s(pair),
             Grid::new(bicycle, pair, speeds_m_s),

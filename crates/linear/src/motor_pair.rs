@@ -24,9 +24,9 @@
 //! * Yaw of all: a times the lateral first moment, + a (mT zT roll - mA uA steer); spin-up of both
 //!   wheels about their tilted axles, - a (ST roll + SF sin(lam) steer); and the front force -f
 //!   along the steered heading, at the contact: + f (w + c) cos(lam) steer.
-//! * Steer of the front assembly about its axis: - a mA uA cos(lam) steer, and the changed load
-//!   - c cos(lam) (N - N0) (roll + sin(lam) steer). The force f lies in the wheel plane, as the steer
-//!   axis does: no moment.
+//! * Steer of the front assembly about its axis: the acceleration of its mass gives
+//!   `- a mA uA cos(lam) steer`, the changed load `- c cos(lam) (N - N0) (roll + sin(lam) steer)`.
+//!   The force f lies in the wheel plane, as the steer axis does: no moment.
 //!
 //! The side force at the front is eliminated by adding mu = c cos(lam)/w times the yaw equation to
 //! the steer equation; what depends on roll cancels there.
@@ -36,8 +36,8 @@
 //!
 //! Valid for: both wheels on the ground and gripping.
 //!
-//! Checked by: `tests/no_slip.rs`, a nonlinear model built on velocities alone (Kane), differentiated
-//! numerically, balanced and unbalanced.
+//! Checked by: `tests/linear/no_slip.rs`, a nonlinear model built on velocities alone (Kane), differentiated
+//! numerically, balanced and unbalanced (1e-6; reached 1e-9).
 
 use crate::bicycle::Bicycle;
 use crate::parameters::Parameters;

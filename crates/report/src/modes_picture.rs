@@ -220,14 +220,6 @@ impl ModesPicture<'_> {
                     bottom - top
                 );
             }
-            if b - a > 44.0 {
-                let _ = writeln!(
-                    out,
-                    "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">stable</text>",
-                    0.5 * (a + b),
-                    REAL[1] - 8.0
-                );
-            }
         }
         // A mark at each crossing, its speed alternately high and low so that neighbours can be read.
         for (i, Critical { speed_m_s, .. }) in self.modes.criticals.iter().enumerate() {

@@ -94,14 +94,13 @@ fn riders_join_bicycles_and_do_not_ride_alone() {
             check(&format!("{}+{}", bicycle.display(), rider.display()));
         }
         check(&format!("meijaard2007_benchmark+{}", rider.display()));
-        assert!(
-            Bicycle::load(&format!(
-                "{}+{}",
-                bicycles[0].display(),
-                bicycles[1].display()
-            ))
-            .is_err()
-        );
+        for whole in [
+            bicycles[1].display().to_string(),
+            "bulsink2017_bicycle1".to_owned(),
+        ] {
+            let error = Bicycle::load(&format!("{}+{whole}", bicycles[0].display())).unwrap_err();
+            assert!(matches!(error, BicycleError::NotARider { .. }), "{error}");
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The linear bicycle against published figures, an independent model, and measured bicycles.
 
 mod data_folder;
+mod files;
 mod modes;
 mod no_slip;
 mod physics;
