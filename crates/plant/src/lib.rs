@@ -5,6 +5,7 @@ pub mod admissible;
 pub mod benchmark;
 pub mod disturbance;
 pub mod explain;
+pub mod dual;
 pub mod integrate;
 pub mod motor;
 pub mod multibody;

@@ -104,7 +104,7 @@ impl Multibody {
             }
         }
         if !self.no_slip {
-            let points = contact_points(&self.tree, x, &pose, &[self.ground(x); 2], false);
+            let points = contact_points(&self.tree, x, &pose, &self.grounds(x, &pose, None), false);
             for k in 0..2 {
                 let deflection = T::from_f64(self.tree.wheels[k].radius) - points[k].loaded_radius;
                 let stiffness = self.tyres[k].vertical().stiffness_n_m;
@@ -162,7 +162,9 @@ mod tests {
         let start = model.energy(&x).total_j();
         let kinetic = model.energy(&x).kinetic_j;
         for _ in 0..20_000 {
-            rk4(&mut x, 1.0e-4, |x, dx| model.rhs(x, &Input::default(), dx));
+            rk4(&mut x, 1.0e-4, |x, dx| {
+                model.rhs(x, &Input::default(), None, dx)
+            });
         }
         let drift = (model.energy(&x).total_j() - start).abs() / kinetic;
         assert!(x[2] > -15.0, "it falls freely");
@@ -179,7 +181,9 @@ mod tests {
         let start = model.energy(&x).total_j();
         let mut loaded = false;
         for _ in 0..8_000 {
-            rk4(&mut x, 5.0e-5, |x, dx| model.rhs(x, &Input::default(), dx));
+            rk4(&mut x, 5.0e-5, |x, dx| {
+                model.rhs(x, &Input::default(), None, dx)
+            });
             loaded |= model.energy(&x).springs_j > 1.0;
         }
         assert!(loaded, "the tyres carried load");

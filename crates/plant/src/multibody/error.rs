@@ -71,6 +71,12 @@ pub enum MultibodyError {
         /// Largest residual left.
         residual: f64,
     },
+    /// Eigenvalues were not found.
+    #[error("{message}")]
+    Eigenvalues {
+        /// What the solver said.
+        message: String,
+    },
     /// Speed outside the range of the model.
     #[error("speed {found} m/s; accepted: {accepted}")]
     Speed {

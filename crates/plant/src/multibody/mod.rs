@@ -4,17 +4,24 @@
 //! its hip-ankle line (2). Any joint can be locked, so rigid rider, passive rider and the
 //! benchmark bicycle are one code. Everything is generic over [`crate::Scalar`].
 
+mod constraint;
 mod contact;
 mod dynamics;
 mod energy;
 mod error;
 mod inertia;
 mod joints;
+mod linearise;
 mod model;
+mod modes;
 mod parameters;
+mod reduced;
 mod rider_body;
 mod sets;
 pub mod state;
+mod steady;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod validate;
 mod vector;
@@ -22,10 +29,13 @@ mod vector;
 pub use contact::WheelContact;
 pub use energy::Energy;
 pub use error::MultibodyError;
+pub use linearise::{INPUTS, Linear};
 pub use model::{Input, Multibody};
+pub use modes::{Change, ModesAt, Sweep};
 pub use parameters::{
     Air, Arms, Body, Geometry, Joint, Joints, Leg, Parameters, Rider, Tyres, Wheel,
 };
 pub use rider_body::{Posture, RiderBody};
 pub use sets::{BULSINK_POSTURE, BulsinkBicycle, Case, Reading};
 pub use state::{STATES, State, StateAccess};
+pub use steady::{Course, Rear, Steady};

@@ -19,8 +19,9 @@ use super::joints::{Springs, add_steer_torque};
 use super::parameters::{Air, Parameters};
 use super::state::{State, StateAccess};
 use super::tree::Tree;
-use super::vector::{Vec3, add, columns_times, cross, lift, scale, sub};
+use super::vector::{Vec3, add, columns_times, cross, lift, rows_times, scale, sub};
 use crate::Scalar;
+use crate::road::Road;
 use crate::tyre::{Tyre, TyreModel};
 
 /// What acts on the model: motors, rider, disturbances. Held constant over a step.
@@ -113,25 +114,50 @@ impl Multibody {
         x
     }
 
-    /// Derivative of the state.
+    /// Derivative of the state. Without a road the ground is level with friction 1.
     #[inline]
-    pub fn rhs<T: Scalar>(&self, x: &State<T>, input: &Input<T>, dx: &mut State<T>) {
-        let grounds = [self.ground(x); 2];
+    pub fn rhs<T: Scalar>(
+        &self,
+        x: &State<T>,
+        input: &Input<T>,
+        road: Option<&Road>,
+        dx: &mut State<T>,
+    ) {
         let pose = self.tree.pose(x);
+        let grounds = self.grounds(x, &pose, road);
         let (forces, _) = self.forces(x, input, &pose, &grounds, dx);
+        if self.no_slip {
+            self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
+            return;
+        }
         let factored = self.tree.factor(x, &pose, self.parameters.gravity_m_s2);
         let a: Accelerations<T> = factored.accelerations(&self.tree, &forces);
         derivative(x, &pose, &a, dx);
     }
 
-    /// Level ground at height zero.
+    /// The road under each hub.
     #[inline(always)]
-    pub(super) fn ground<T: Scalar>(&self, _: &State<T>) -> Ground<T> {
+    pub(super) fn grounds<T: Scalar>(
+        &self,
+        x: &State<T>,
+        pose: &Pose<T>,
+        road: Option<&Road>,
+    ) -> [Ground<T>; 2] {
         let z = T::zero();
-        Ground {
+        let level = Ground {
             point: [z; 3],
             normal: [z, z, T::one()],
             friction: T::one(),
+        };
+        match road {
+            None => [level; 2],
+            Some(road) => {
+                let hub = rows_times(&pose.rotation, pose.front_hub);
+                [
+                    ground(road, x[0], x[1]),
+                    ground(road, x[0] + hub[0], x[1] + hub[1]),
+                ]
+            }
         }
     }
 
@@ -238,5 +264,27 @@ impl Multibody {
             wrench[k] += turn[k];
             wrench[3 + k] += pull[k];
         }
+    }
+}
+
+/// Tangent plane of the road at a spot.
+#[inline]
+fn ground<T: Scalar>(road: &Road, x: T, y: T) -> Ground<T> {
+    let friction = road.friction_ratio(x, y);
+    if road.is_level() {
+        let z = T::zero();
+        return Ground {
+            point: [z; 3],
+            normal: [z, z, T::one()],
+            friction,
+        };
+    }
+    let s = road.surface(x, y);
+    let (a, b) = (s.along_ratio, s.across_ratio);
+    let inverse = T::one() / (T::one() + a * a + b * b).sqrt();
+    Ground {
+        point: [x, y, -s.height_m],
+        normal: [a * inverse, b * inverse, inverse],
+        friction,
     }
 }

@@ -1,0 +1,196 @@
+//! What: the model linearised about a steady state, to full accuracy.
+//!
+//! Equation: x' = A x + B u, A and B the Jacobians of the reduced derivative by dual numbers
+//! (through the constraint solve without slip).
+//!
+//! Source: Griewank and Walther (2008), chapter 3; reduced coordinates in `reduced`.
+//!
+//! Assumes and ignores: as in `steady`.
+//!
+//! Valid for: small disturbances.
+//!
+//! Checked by: the tests of `multibody/tests`: state matrix of the benchmark without slip (1e-9),
+//! growth of a small disturbance in the nonlinear model (1e-5), differences.
+
+use super::error::MultibodyError;
+use super::model::{Input, Multibody};
+use super::reduced::{NAMES, REDUCED, Reduced, place};
+use super::steady::{Course, Steady};
+use crate::Scalar;
+use crate::dual::Dual;
+use nalgebra::DMatrix;
+use twinhub_linear::{EigenError, Eigenpair, Layout, eigenpairs};
+
+/// Names of the inputs of a linearised model.
+pub const INPUTS: [&str; 9] = [
+    "steer_torque_nm",
+    "front_brake_nm",
+    "rear_traction_nm",
+    "roll_torque_nm",
+    "trunk_lean_torque_nm",
+    "trunk_pitch_torque_nm",
+    "trunk_twist_torque_nm",
+    "left_leg_torque_nm",
+    "right_leg_torque_nm",
+];
+
+/// A linearised model.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// State matrix.
+    pub a: DMatrix<f64>,
+    /// Input matrix, columns in the order of [`INPUTS`].
+    pub b: DMatrix<f64>,
+    /// Names of the states.
+    pub names: Vec<&'static str>,
+}
+
+impl Linear {
+    /// Index of a state by name.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| *n == name)
+    }
+
+    /// Which states name a mode.
+    pub fn layout(&self) -> Layout {
+        let at = |name: &str| self.index(name).unwrap_or(usize::MAX);
+        let configuration = &NAMES[..place::STEER_RATE];
+        let others = (0..self.names.len())
+            .filter(|&i| configuration[2..].contains(&self.names[i]))
+            .collect();
+        Layout {
+            roll: at("roll_rad"),
+            steer: at("steer_rad"),
+            others,
+        }
+    }
+
+    /// Eigenvalues with shapes.
+    pub fn eigenpairs(&self) -> Result<Vec<Eigenpair>, EigenError> {
+        eigenpairs(&self.a)
+    }
+
+    /// The part of the state matrix that belongs to these states.
+    pub fn block(&self, names: &[&str]) -> Option<DMatrix<f64>> {
+        let at: Option<Vec<usize>> = names.iter().map(|n| self.index(n)).collect();
+        let at = at?;
+        Some(DMatrix::from_fn(at.len(), at.len(), |i, j| {
+            self.a[(at[i], at[j])]
+        }))
+    }
+}
+
+impl Multibody {
+    /// The model linearised about a steady state.
+    pub fn linearise(&self, steady: &Steady) -> Linear {
+        let active = self.active();
+        let n = active.len();
+        let mut a = DMatrix::zeros(n, n);
+        if n <= 14 {
+            self.jacobian::<14>(steady, &active, &mut a);
+        } else {
+            self.jacobian::<REDUCED>(steady, &active, &mut a);
+        }
+        let b = self.input_matrix(steady, &active);
+        Linear {
+            a,
+            b,
+            names: self.state_names(&active),
+        }
+    }
+
+    /// The state matrix alone, which is what maps and searches need.
+    pub fn state_matrix(&self, steady: &Steady) -> DMatrix<f64> {
+        let active = self.active();
+        let mut a = DMatrix::zeros(active.len(), active.len());
+        if active.len() <= 14 {
+            self.jacobian::<14>(steady, &active, &mut a);
+        } else {
+            self.jacobian::<REDUCED>(steady, &active, &mut a);
+        }
+        a
+    }
+
+    /// The model linearised about the steady state of a course.
+    pub fn linear(&self, course: &Course) -> Result<Linear, MultibodyError> {
+        Ok(self.linearise(&self.steady(course, None)?))
+    }
+
+    fn state_names(&self, active: &[usize]) -> Vec<&'static str> {
+        active
+            .iter()
+            .map(|&k| match k {
+                place::ANGULAR if self.no_slip => "roll_rate_rad_s",
+                place::VELOCITY if self.no_slip => "speed_m_s",
+                _ => NAMES[k],
+            })
+            .collect()
+    }
+
+    fn jacobian<const N: usize>(&self, steady: &Steady, active: &[usize], a: &mut DMatrix<f64>) {
+        let mut r: Reduced<Dual<N>> = steady.reduced.map(Dual::constant);
+        for (i, &k) in active.iter().enumerate() {
+            r[k].eps[i] = 1.0;
+        }
+        let d = self.reduced_rhs(&r, &steady.input.lifted());
+        for (i, &k) in active.iter().enumerate() {
+            for j in 0..active.len() {
+                a[(i, j)] = d[k].eps[j];
+            }
+        }
+    }
+
+    fn input_matrix(&self, steady: &Steady, active: &[usize]) -> DMatrix<f64> {
+        type D = Dual<{ INPUTS.len() }>;
+        let mut input: Input<D> = steady.input.lifted();
+        let inputs: [&mut D; INPUTS.len()] = {
+            let Input {
+                steer_torque_nm,
+                front_brake_nm,
+                rear_traction_nm,
+                moment_nm,
+                trunk_torque_nm,
+                leg_torque_nm,
+                ..
+            } = &mut input;
+            let [roll, _, _] = moment_nm;
+            let [lean, pitch, twist] = trunk_torque_nm;
+            let [left, right] = leg_torque_nm;
+            [
+                steer_torque_nm,
+                front_brake_nm,
+                rear_traction_nm,
+                roll,
+                lean,
+                pitch,
+                twist,
+                left,
+                right,
+            ]
+        };
+        for (k, value) in inputs.into_iter().enumerate() {
+            value.eps[k] = 1.0;
+        }
+        let r: Reduced<D> = steady.reduced.map(D::constant);
+        let d = self.reduced_rhs(&r, &input);
+        DMatrix::from_fn(active.len(), INPUTS.len(), |i, j| d[active[i]].eps[j])
+    }
+}
+
+impl Input<f64> {
+    /// The same input as constants of another number type.
+    pub fn lifted<T: Scalar>(&self) -> Input<T> {
+        let c = T::from_f64;
+        Input {
+            front_brake_nm: c(self.front_brake_nm),
+            rear_traction_nm: c(self.rear_traction_nm),
+            steer_torque_nm: c(self.steer_torque_nm),
+            trunk_torque_nm: self.trunk_torque_nm.map(c),
+            leg_torque_nm: self.leg_torque_nm.map(c),
+            force_n: self.force_n.map(c),
+            force_at_m: self.force_at_m.map(c),
+            moment_nm: self.moment_nm.map(c),
+            wind_m_s: self.wind_m_s.map(c),
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! What: modes over speed, and the speeds at which weave and capsize change stability.
+//!
+//! Equation: eigenvalues of the linearised model at each speed; branches followed by least change
+//! of value and shape (`twinhub_linear::follow`); a critical speed is a root of the real part of a
+//! followed branch (regula falsi, Illinois variant).
+//!
+//! Source: Bulsink (2017), section 3.2.3 (definitions of weave and capsize speed); naming by shape
+//! in `twinhub_linear::name`.
+//!
+//! Assumes and ignores: modes change little from one speed of the sweep to the next.
+//!
+//! Valid for: 0.5 to 12 m/s.
+//!
+//! Checked by: the benchmark's weave and capsize speed (1e-8) in `multibody/tests`.
+
+use super::error::MultibodyError;
+use super::linearise::Linear;
+use super::model::Multibody;
+use super::steady::{Course, Steady};
+use twinhub_linear::{Eigenpair, ModeName, follow, name};
+
+/// Modes of the model at one speed.
+#[derive(Clone, Debug)]
+pub struct ModesAt {
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Eigenvalues and shapes, in the order of `Sweep::names`.
+    pub modes: Vec<Eigenpair>,
+}
+
+/// Modes over speed: branch `b` has name `names[b]` and is entry `b` at each speed.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// One entry per speed, ascending.
+    pub points: Vec<ModesAt>,
+    /// Name of each branch.
+    pub names: Vec<ModeName>,
+    /// Names of the states in the shapes.
+    pub states: Vec<&'static str>,
+}
+
+/// A change of stability of one mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// True: unstable below, stable above.
+    pub becomes_stable: bool,
+}
+
+impl Multibody {
+    /// Modes at `speeds_m_s` (ascending) for courses like `course`, branches followed from the
+    /// speed at which their shapes are clearest: the highest one with an oscillation.
+    pub fn sweep(&self, course: &Course, speeds_m_s: &[f64]) -> Result<Sweep, MultibodyError> {
+        let mut points = Vec::with_capacity(speeds_m_s.len());
+        let mut last: Option<Steady> = None;
+        let mut linear: Option<Linear> = None;
+        for &speed_m_s in speeds_m_s.iter().rev() {
+            let steady = self.steady_near(
+                &Course {
+                    speed_m_s,
+                    ..*course
+                },
+                last.as_ref(),
+            )?;
+            let at = self.linearise(&steady);
+            let modes = at.eigenpairs().map_err(|e| MultibodyError::Eigenvalues {
+                message: e.to_string(),
+            })?;
+            points.push(ModesAt { speed_m_s, modes });
+            last = Some(steady);
+            linear.get_or_insert(at);
+        }
+        points.reverse();
+        let Some(linear) = linear else {
+            return Ok(Sweep {
+                points,
+                names: Vec::new(),
+                states: Vec::new(),
+            });
+        };
+        let layout = linear.layout();
+        let family: Vec<Vec<Eigenpair>> = points.iter().map(|p| p.modes.clone()).collect();
+        // Shapes are clear where weave swings and capsize is real: start there.
+        let clear = |pairs: &[Eigenpair]| {
+            let names = name(pairs, &layout);
+            names.contains(&ModeName::Weave) && names.contains(&ModeName::Capsize)
+        };
+        let start = (0..family.len())
+            .rev()
+            .find(|&k| clear(&family[k]))
+            .unwrap_or(family.len() - 1);
+        let names = name(&family[start], &layout);
+        for (point, order) in points.iter_mut().zip(follow(&family, start)) {
+            point.modes = order.iter().map(|&i| point.modes[i].clone()).collect();
+        }
+        Ok(Sweep {
+            points,
+            names,
+            states: linear.names,
+        })
+    }
+
+    /// A steady state from a guess nearby, or from scratch if that fails.
+    fn steady_near(
+        &self,
+        course: &Course,
+        guess: Option<&Steady>,
+    ) -> Result<Steady, MultibodyError> {
+        match guess {
+            Some(guess) => self
+                .steady(course, Some(guess))
+                .or_else(|_| self.steady(course, None)),
+            None => self.steady(course, None),
+        }
+    }
+
+    /// Every change of stability of a mode of a sweep, to `1e-10` m/s.
+    pub fn changes(
+        &self,
+        course: &Course,
+        sweep: &Sweep,
+        mode: ModeName,
+    ) -> Result<Vec<Change>, MultibodyError> {
+        let branches: Vec<usize> = (0..sweep.names.len())
+            .filter(|&b| sweep.names[b] == mode)
+            .collect();
+        let Some(&first) = branches.first() else {
+            return Ok(Vec::new());
+        };
+        let mut found: Vec<Change> = Vec::new();
+        let mut add = |change: Change| {
+            if found
+                .iter()
+                .all(|c| (c.speed_m_s - change.speed_m_s).abs() > 1.0e-6)
+            {
+                found.push(change);
+            }
+        };
+        // Of a conjugate pair one branch says all; where weave has split in two real ones, both count.
+        let both = if mode == ModeName::Weave {
+            &branches[..]
+        } else {
+            core::slice::from_ref(&branches[0])
+        };
+        let _ = first;
+        for window in sweep.points.windows(2) {
+            for &b in both {
+                let (low, high) = (&window[0], &window[1]);
+                let (from, to) = (low.modes[b].value.re, high.modes[b].value.re);
+                if (from > 0.0) == (to > 0.0) {
+                    continue;
+                }
+                let speed_m_s = self.crossing(
+                    course,
+                    (low.speed_m_s, &low.modes[b]),
+                    (high.speed_m_s, &high.modes[b]),
+                )?;
+                add(Change {
+                    speed_m_s,
+                    becomes_stable: from > 0.0,
+                });
+            }
+        }
+        Ok(found)
+    }
+
+    /// Root of the real part between two speeds.
+    fn crossing(
+        &self,
+        course: &Course,
+        low: (f64, &Eigenpair),
+        high: (f64, &Eigenpair),
+    ) -> Result<f64, MultibodyError> {
+        let (mut a, mut b) = (low.0, high.0);
+        let (mut fa, mut fb) = (low.1.value.re, high.1.value.re);
+        let mut near = high.1.clone();
+        let mut guess: Option<Steady> = None;
+        let mut side = 0;
+        for _ in 0..100 {
+            if (b - a).abs() < 1.0e-11 {
+                break;
+            }
+            let v = (fa * b - fb * a) / (fa - fb);
+            let steady = self.steady_near(
+                &Course {
+                    speed_m_s: v,
+                    ..*course
+                },
+                guess.as_ref(),
+            )?;
+            let pairs = twinhub_linear::eigenpairs(&self.state_matrix(&steady)).map_err(|e| {
+                MultibodyError::Eigenvalues {
+                    message: e.to_string(),
+                }
+            })?;
+            guess = Some(steady);
+            // The continuation of this one mode.
+            let mode = pairs[nearest(&near, &pairs)].clone();
+            let f = mode.value.re;
+            if f == 0.0 || f.abs() < 1.0e-13 {
+                return Ok(v);
+            }
+            near = mode;
+            if (f > 0.0) == (fb > 0.0) {
+                (b, fb) = (v, f);
+                if side == -1 {
+                    fa *= 0.5;
+                }
+                side = -1;
+            } else {
+                (a, fa) = (v, f);
+                if side == 1 {
+                    fb *= 0.5;
+                }
+                side = 1;
+            }
+        }
+        Ok(0.5 * (a + b))
+    }
+
+    /// Lowest speed above which weave stays stable within the sweep, and highest speed at which
+    /// capsize is still stable; `None` where there is no crossing.
+    pub fn critical_speeds_m_s(
+        &self,
+        course: &Course,
+        sweep: &Sweep,
+    ) -> Result<(Option<f64>, Option<f64>), MultibodyError> {
+        let weave = self.changes(course, sweep, ModeName::Weave)?;
+        let capsize = self.changes(course, sweep, ModeName::Capsize)?;
+        Ok((
+            weave
+                .iter()
+                .rev()
+                .find(|c| c.becomes_stable)
+                .map(|c| c.speed_m_s),
+            capsize
+                .iter()
+                .find(|c| !c.becomes_stable)
+                .map(|c| c.speed_m_s),
+        ))
+    }
+}
+
+/// Index of the mode that continues `mode`.
+fn nearest(mode: &Eigenpair, pairs: &[Eigenpair]) -> usize {
+    (0..pairs.len())
+        .min_by(|&a, &b| {
+            let cost = |k: usize| {
+                let d = mode.value - pairs[k].value;
+                let inner: nalgebra::Complex<f64> = mode
+                    .shape
+                    .iter()
+                    .zip(&pairs[k].shape)
+                    .map(|(x, y)| x.conj() * y)
+                    .sum();
+                libm::hypot(d.re, d.im) / (1.0 + libm::hypot(mode.value.re, mode.value.im))
+                    + 0.3 * (1.0 - inner.norm_sqr().min(1.0))
+            };
+            cost(a).total_cmp(&cost(b))
+        })
+        .unwrap_or(0)
+}

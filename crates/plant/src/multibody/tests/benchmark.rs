@@ -1,0 +1,142 @@
+//! The no-slip limit against the linear equations of `twinhub_linear`.
+
+use crate::multibody::{Course, Multibody, Parameters, Rear};
+use nalgebra::DMatrix;
+use twinhub_linear::{Bicycle, Canonical, MotorPair};
+
+const LATERAL: [&str; 4] = [
+    "roll_rad",
+    "steer_rad",
+    "roll_rate_rad_s",
+    "steer_rate_rad_s",
+];
+
+fn bicycles() -> Vec<Bicycle> {
+    [
+        "meijaard2007_benchmark",
+        "bulsink2017_bicycle1",
+        "bulsink2017_bicycle2",
+    ]
+    .map(|name| Bicycle::load(name).unwrap())
+    .to_vec()
+}
+
+fn difference(ours: &DMatrix<f64>, theirs: &nalgebra::Matrix4<f64>) -> f64 {
+    (0..16)
+        .map(|k| (ours[(k / 4, k % 4)] - theirs[(k / 4, k % 4)]).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn no_slip_is_the_benchmark() {
+    let mut worst: f64 = 0.0;
+    for bicycle in bicycles() {
+        let model = Multibody::new(&Parameters::from_whipple(&bicycle)).unwrap();
+        let linear = Canonical::new(&bicycle).unwrap();
+        for tenth in [5, 10, 20, 35, 43, 50, 60, 80, 100] {
+            let v = 0.1 * f64::from(tenth);
+            let ours = model
+                .linear(&Course::straight(v))
+                .unwrap()
+                .block(&LATERAL)
+                .unwrap();
+            worst = worst.max(difference(&ours, &linear.state_matrix(v, MotorPair::OFF)));
+        }
+    }
+    println!("largest difference {worst:e}");
+    assert!(worst < 1.0e-9, "{worst:e}");
+}
+
+#[test]
+fn the_motor_pair_is_the_exact_one() {
+    let mut worst: f64 = 0.0;
+    for bicycle in bicycles() {
+        let model = Multibody::new(&Parameters::from_whipple(&bicycle)).unwrap();
+        let linear = Canonical::new(&bicycle).unwrap();
+        for torque in [20.0, 40.0, 80.0] {
+            for v in [2.0, 5.0, 9.0] {
+                let steady = model.steady(&Course::pair(v, torque), None).unwrap();
+                let pair = MotorPair {
+                    front_brake_nm: torque,
+                    rear_traction_nm: steady.input.rear_traction_nm,
+                };
+                let ours = model.linearise(&steady).block(&LATERAL).unwrap();
+                worst = worst.max(difference(&ours, &linear.state_matrix(v, pair)));
+                // Additive lateral input of the pair: none.
+                let all = model.linearise(&steady);
+                let column = |name| {
+                    crate::multibody::INPUTS
+                        .iter()
+                        .position(|n| *n == name)
+                        .unwrap()
+                };
+                for name in LATERAL {
+                    let row = all.index(name).unwrap();
+                    for input in ["front_brake_nm", "rear_traction_nm"] {
+                        assert!(all.b[(row, column(input))].abs() < 1.0e-14);
+                    }
+                }
+            }
+        }
+    }
+    println!("largest difference {worst:e}");
+    assert!(worst < 1.0e-9, "{worst:e}");
+}
+
+#[test]
+fn an_unbalanced_pair_agrees_too() {
+    let mut worst: f64 = 0.0;
+    for bicycle in bicycles() {
+        let model = Multibody::new(&Parameters::from_whipple(&bicycle)).unwrap();
+        let linear = Canonical::new(&bicycle).unwrap();
+        for (front, rear) in [(0.0, 30.0), (25.0, 0.0), (40.0, 60.0)] {
+            let course = Course {
+                front_brake_nm: front,
+                rear: Rear::Torque(rear),
+                ..Course::straight(5.0)
+            };
+            let ours = model.linear(&course).unwrap().block(&LATERAL).unwrap();
+            let pair = MotorPair {
+                front_brake_nm: front,
+                rear_traction_nm: rear,
+            };
+            worst = worst.max(difference(&ours, &linear.state_matrix(5.0, pair)));
+        }
+    }
+    println!("largest difference {worst:e}");
+    assert!(worst < 1.0e-9, "{worst:e}");
+}
+
+#[test]
+fn weave_and_capsize_speed_of_the_benchmark() {
+    let bicycle = Bicycle::load("meijaard2007_benchmark").unwrap();
+    let model = Multibody::new(&Parameters::from_whipple(&bicycle)).unwrap();
+    let speeds: Vec<f64> = (20..=70).map(|k| 0.1 * f64::from(k)).collect();
+    let course = Course::straight(5.0);
+    let sweep = model.sweep(&course, &speeds).unwrap();
+    let (weave, capsize) = model.critical_speeds_m_s(&course, &sweep).unwrap();
+    assert!(
+        (weave.unwrap() - 4.292_382_536_341_11).abs() < 1.0e-8,
+        "{weave:?}"
+    );
+    assert!(
+        (capsize.unwrap() - 6.024_262_015_388_37).abs() < 1.0e-8,
+        "{capsize:?}"
+    );
+}
+
+#[test]
+fn cases_of_the_thesis() {
+    use crate::multibody::{BulsinkBicycle, Case, Reading};
+    for case in Case::ALL {
+        let parameters = Parameters::bulsink2017(BulsinkBicycle::One, case, &Reading::default());
+        let model = Multibody::new(&parameters).unwrap();
+        let speeds: Vec<f64> = (6..=48).map(|k| 0.25 * f64::from(k)).collect();
+        let course = Course::straight(5.0);
+        let sweep = model.sweep(&course, &speeds).unwrap();
+        println!(
+            "{case:?} {:?}",
+            model.critical_speeds_m_s(&course, &sweep).unwrap()
+        );
+    }
+}

@@ -1,0 +1,3 @@
+//! The multibody model against the benchmark, against itself, and against its limits.
+
+mod benchmark;
