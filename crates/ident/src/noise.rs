@@ -23,8 +23,10 @@ use crate::track::{PROCESS_SOURCES, Track};
 const PRIOR_FACTOR: f64 = 30.0;
 const DIFFERENCE: f64 = 1e-4;
 const MAX_ROUNDS: usize = 40;
-/// Levels stop changing when the last step in their logarithm is below this.
+/// Levels have settled when the next step would change their logarithms by less than this, or gain
+/// less than `GAIN_TOLERANCE` in log likelihood.
 const STEP_TOLERANCE: f64 = 1e-3;
+const GAIN_TOLERANCE: f64 = 1e-2;
 const LONGEST_LOG_STEP: f64 = 1.5;
 
 /// Where a level may lie.
@@ -146,6 +148,11 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
             let trial: Vec<f64> =
                 (0..count).map(|i| clamp(i, x[i] + step[i].clamp(-LONGEST_LOG_STEP, LONGEST_LOG_STEP))).collect();
             moved = trial.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let gain: f64 = 0.5 * step.iter().zip(&right).map(|(d, g)| d * g).sum::<f64>();
+            if gain < GAIN_TOLERANCE && damping <= 1e-2 {
+                moved = 0.0;
+                break;
+            }
             let next = Innovations::of(rides, tracks, &trial);
             let next_value = next.minus_log_likelihood() + prior(&trial);
             if next_value <= value {

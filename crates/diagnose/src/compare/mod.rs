@@ -87,7 +87,7 @@ pub fn compare(study: &Study, data: &[RideData], mut progress: impl FnMut(&str))
         free_run(&mut traces[index], &tracks[index], &levels, worst.start_s, longest);
     }
     let relations = data.iter().flat_map(|d| kinematics::relations(&equations, d)).collect();
-    Ok(result::assemble(study, data, scores, traces, worst, growth, mean_speed_m_s, &estimate, relations))
+    Ok(result::assemble(study, data, scores, traces, worst, growth, mean_speed_m_s, &estimate, &problem.free, relations))
 }
 
 fn tracks(equations: &Equations, data: &[RideData], rides: &[Ride]) -> Result<Vec<Track>, CompareError> {

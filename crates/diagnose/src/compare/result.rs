@@ -188,8 +188,9 @@ pub(super) fn worst_stretch(traces: &[RideTrace]) -> Option<Worst> {
                     let begin = channel.predicted.partition_point(|p| p[0] < from);
                     let stop = channel.predicted.partition_point(|p| p[0] < from + length);
                     let part = &channel.predicted[begin..stop];
+                    let read = |t: f64| channel.measured.partition_point(|m| m[0] < t);
                     // A stretch that is hardly predicted at all is not judged.
-                    if (part.len() as f64) * 2.0 < channel.measured.partition_point(|m| m[0] < from + length) as f64 - channel.measured.partition_point(|m| m[0] < from) as f64 || part.is_empty() || *sd == 0.0 {
+                    if part.len() * 2 < read(from + length) - read(from) || part.is_empty() || *sd == 0.0 {
                         continue;
                     }
                     let square = part.iter().map(|p| (p[1] - p[2]) * (p[1] - p[2])).sum::<f64>() / part.len() as f64;
@@ -216,7 +217,7 @@ pub(super) fn worst_stretch(traces: &[RideTrace]) -> Option<Worst> {
 #[allow(clippy::too_many_arguments)]
 pub(super) fn assemble(
     study: &Study, data: &[RideData], scores: BTreeMap<(Quantity, String), Scores>, traces: Vec<RideTrace>, worst: Option<Worst>,
-    growth: Growth, mean_speed_m_s: f64, estimate: &NoiseEstimate, relations: Vec<Relation>,
+    growth: Growth, mean_speed_m_s: f64, estimate: &NoiseEstimate, free: &[(Quantity, String)], relations: Vec<Relation>,
 ) -> Comparison {
     let twice = |q: Quantity| scores.keys().filter(|k| k.0 == q).count() > 1;
     let name = |(q, column): &(Quantity, String)| if twice(*q) { format!("{q} ({column})") } else { q.name().to_owned() };
@@ -224,7 +225,7 @@ pub(super) fn assemble(
     let level_name = |i: usize| match i {
         0 => "roll torque".to_owned(),
         1 => "steer torque".to_owned(),
-        _ => format!("sensor {}", i - 1),
+        _ => free[i - 2].1.clone(),
     };
     let at_limit = estimate.at_limit.iter().enumerate().filter(|(_, at)| **at).map(|(i, _)| level_name(i));
     let mut comparison = Comparison {

@@ -2,11 +2,17 @@
 
 use super::result::{ChannelResult, Comparison, HorizonResult};
 
-fn percent(vaf: Option<f64>) -> String {
-    vaf.map_or("an undefined share".to_owned(), |v| match v >= 0.0 {
-        true => format!("{:.0} %", 100.0 * v),
-        false => format!("none (VAF {v:.2})"),
-    })
+/// "83 % of steer_rad and 88 % of yaw_rate_rad_s, but nothing of roll_rad (VAF -0.15)".
+fn shares(main: &[(&String, HorizonResult)]) -> String {
+    let (some, none): (Vec<_>, Vec<_>) = main.iter().partition(|(_, h)| h.vaf.is_some_and(|v| v > 0.0));
+    let list = |parts: Vec<String>| parts.join(", ");
+    let some = list(some.iter().map(|(n, h)| format!("{:.0} % of {n}", 100.0 * h.vaf.unwrap_or(0.0))).collect());
+    let none = list(none.iter().map(|(n, h)| format!("{n} (VAF {})", h.vaf.map_or("undefined".to_owned(), |v| format!("{v:.2}")))).collect());
+    match (some.is_empty(), none.is_empty()) {
+        (false, true) => some,
+        (true, _) => format!("nothing of {none}"),
+        (false, false) => format!("{some}, but nothing of {none}"),
+    }
 }
 
 fn at(channel: &ChannelResult, horizon: &str) -> Option<HorizonResult> {
@@ -19,8 +25,7 @@ pub fn statements(comparison: &Comparison) -> Vec<String> {
     if main.is_empty() {
         all.push("No window is long enough for a prediction over 0.5 s.".to_owned());
     } else {
-        let parts: Vec<String> = main.iter().map(|(name, h)| format!("{} of {name}", percent(h.vaf))).collect();
-        all.push(format!("Over 0.5 s the model explains {} (shares of variance).", parts.join(", ")));
+        all.push(format!("Over 0.5 s the model explains, of the variance, {}.", shares(&main)));
         let useless: Vec<&str> = main.iter().filter(|(_, h)| h.held_rmse.is_some_and(|r| h.rmse >= r)).map(|(n, _)| n.as_str()).collect();
         all.push(match useless.len() {
             0 => "It predicts every channel better than holding the last reading does.".to_owned(),

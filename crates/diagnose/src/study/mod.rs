@@ -6,6 +6,8 @@
 
 mod check;
 mod raw;
+#[cfg(test)]
+mod schema_test;
 pub mod shipped;
 
 use crate::quantity::Quantity;
