@@ -165,3 +165,23 @@ fn above_25_km_h_the_pair_stays_and_drive_goes() {
         );
     }
 }
+
+#[test]
+fn a_request_that_is_no_number_is_a_request_for_nothing() {
+    let config = config("constant");
+    for absurd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut guard = Guard::new(GuardLimits::new(&config));
+        for ms in 0..1_000 {
+            let (meas, rider) = healthy(ms, 5.0, &config);
+            let request = Request {
+                pair_nm: absurd,
+                trim_nm: absurd,
+                pair_ceiling_nm: 90.0,
+                limited_by: LimitedBy::NONE,
+            };
+            let now = Instant::from_nanos(ms * 1_000_000);
+            let command = guard.apply(now, &meas, &rider, Mode::Active, &request);
+            assert_eq!(command, Default::default(), "{absurd}");
+        }
+    }
+}
