@@ -59,7 +59,7 @@ pub struct ModesArgs {
 pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
     let speeds = speeds(&args.speeds_m_s).map_err(bad_input)?;
     if let Some(out) = &args.out {
-        picture_kind(out).map_err(bad_input)?;
+        is_page(out).map_err(bad_input)?;
     }
     let bicycle = Bicycle::load(&args.bicycle)
         .and_then(|b| b.with(&args.set))
@@ -156,20 +156,16 @@ fn pair(args: &ModesArgs, bicycle: &Bicycle) -> anyhow::Result<MotorPair> {
     })
 }
 
-enum Kind {
-    Svg,
-    Html,
-}
-
-fn picture_kind(out: &Path) -> anyhow::Result<Kind> {
+/// Whether the picture becomes a page (else an SVG), by the file's ending.
+fn is_page(out: &Path) -> anyhow::Result<bool> {
     match out
         .extension()
         .and_then(|e| e.to_str())
         .map(str::to_ascii_lowercase)
         .as_deref()
     {
-        Some("svg") => Ok(Kind::Svg),
-        Some("html" | "htm") => Ok(Kind::Html),
+        Some("svg") => Ok(false),
+        Some("html" | "htm") => Ok(true),
         _ => Err(anyhow!(
             "--out {}: accepted: a file ending in .svg or .html",
             out.display()
@@ -212,10 +208,8 @@ fn write_picture(
         subtitle: &subtitle,
         modes: &modes,
     };
-    let text = match picture_kind(out).map_err(bad_input)? {
-        Kind::Svg => picture.svg(),
-        Kind::Html => picture.html(),
-    };
+    let page = is_page(out).map_err(bad_input)?;
+    let text = if page { picture.html() } else { picture.svg() };
     std::fs::write(out, text)
         .with_context(|| format!("cannot write the picture {}", out.display()))
         .map_err(bad_input)

@@ -186,15 +186,17 @@ impl ModesPicture<'_> {
             0.5 * (LEFT + RIGHT),
             IMAGINARY[1] + 40.0
         );
+        // Each branch as its speed and eigenvalue, step by step.
+        let branch = |b: usize| {
+            let steps = speeds.iter().zip(&family).zip(&branches);
+            steps
+                .filter_map(move |((v, pairs), order)| Some((*v, pairs.get(*order.get(b)?)?.value)))
+        };
         for b in 0..count {
-            let at = |k: usize| family[k].get(branches[k][b]).map(|p| p.value);
-            let re =
-                path((0..family.len()).map(|k| at(k).map(|s| (x.at(speeds[k]), real.at(s.re)))));
-            let im = path((0..family.len()).map(|k| {
-                at(k)
-                    .filter(|s| s.im != 0.0)
-                    .map(|s| (x.at(speeds[k]), imaginary.at(s.im.abs())))
-            }));
+            let re = path(branch(b).map(|(v, s)| Some((x.at(v), real.at(s.re)))));
+            let im = path(
+                branch(b).map(|(v, s)| (s.im != 0.0).then(|| (x.at(v), imaginary.at(s.im.abs())))),
+            );
             let class = name(b).as_str();
             let _ = writeln!(
                 out,
