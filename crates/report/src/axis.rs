@@ -66,19 +66,34 @@ pub fn extent<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64
         })
 }
 
-/// `range` widened to whole ticks, so that no line lies on the frame; a range without width gets
-/// one.
-pub fn roomy((low, high): (f64, f64), count: f64) -> (f64, f64) {
+/// A range a little wider than the data, so that no line lies on the frame; data without width
+/// get some.
+pub fn roomy((low, high): (f64, f64)) -> (f64, f64) {
     let width = high - low;
     let smallest = 1e-9 * low.abs().max(high.abs()).max(1e-3);
-    let (low, high) = if width > smallest {
-        (low - 0.04 * width, high + 0.04 * width)
+    let margin = if width > smallest {
+        0.06 * width
+    } else if low == 0.0 {
+        1.0
     } else {
-        let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
-        (low - half, high + half)
+        0.1 * low.abs()
     };
+    (low - margin, high + margin)
+}
+
+/// A range whose ends are on a tick if they are almost on one: a ride of 60 s ends at 59.999 s.
+pub fn snapped((low, high): (f64, f64), count: f64) -> (f64, f64) {
     let step = tick_step(high - low, count);
-    ((low / step).floor() * step, (high / step).ceil() * step)
+    let near = 0.004 * (high - low);
+    let snap = |value: f64| {
+        let tick = (value / step).round() * step;
+        if (tick - value).abs() <= near {
+            tick
+        } else {
+            value
+        }
+    };
+    (snap(low), snap(high))
 }
 
 #[cfg(test)]
@@ -106,6 +121,12 @@ mod tests {
     }
 
     #[test]
+    fn a_ride_of_a_minute_ends_at_sixty() {
+        assert_eq!(snapped((0.0, 59.999), 10.0), (0.0, 60.0));
+        assert_eq!(snapped((0.9, 57.0), 10.0), (0.9, 57.0));
+    }
+
+    #[test]
     fn gaps_do_not_count() {
         assert_eq!(
             extent(&[f64::NAN, 2.0, f64::INFINITY, -1.0]),
@@ -117,10 +138,10 @@ mod tests {
     proptest! {
         #[test]
         fn a_range_holds_its_data_and_few_ticks(a in -1e6..1e6f64, width in 0.0..1e6f64) {
-            let (low, high) = roomy((a, a + width), 5.0);
-            prop_assert!(low < high && low <= a && a + width <= high);
+            let (low, high) = roomy((a, a + width));
+            prop_assert!(low < a && a + width < high);
             let marks = ticks(low, high, 5.0);
-            prop_assert!((2..=14).contains(&marks.len()), "{} ticks on {low}..{high}", marks.len());
+            prop_assert!((3..=9).contains(&marks.len()), "{} ticks on {low}..{high}", marks.len());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::axis::{Axis, extent, roomy, ticks};
+use crate::axis::{Axis, extent, roomy, snapped, ticks};
 use crate::line;
 use crate::text::escape;
 
@@ -176,7 +176,11 @@ impl Chart<'_> {
         let (low, high) = self
             .x_range
             .filter(|(low, high)| low < high && (high - low).is_finite())
-            .or_else(|| data().filter(|(low, high)| low < high))
+            .or_else(|| {
+                data()
+                    .filter(|(low, high)| low < high)
+                    .map(|range| snapped(range, 10.0))
+            })
             .unwrap_or((0.0, 1.0));
         Axis {
             low,
@@ -276,7 +280,7 @@ impl Chart<'_> {
             );
         }
         let range = panel.range(x);
-        let (low, high) = roomy(range.unwrap_or((0.0, 1.0)), count);
+        let (low, high) = roomy(range.unwrap_or((0.0, 1.0)));
         let y = Axis {
             low,
             high,

@@ -9,12 +9,12 @@ use crate::text::escape;
 const STYLE: &str = "\
 :root{color-scheme:light dark;--ink:#1b1f24;--soft:#5b6470;--rule:#dde2e8;--paper:#fff;--card:#f5f7f9;--good:#1e7d46;--bad:#b3261e;--even:#8a6100}\
 @media(prefers-color-scheme:dark){:root{--ink:#e8ebef;--soft:#a3adb9;--rule:#30363e;--paper:#14171b;--card:#1c2026;--good:#43c07a;--bad:#ff8a80;--even:#e8c04a}}\
-@media print{:root{color-scheme:light;--ink:#000;--soft:#444;--rule:#ccc;--paper:#fff;--card:#fff}details[open] pre{white-space:pre-wrap}h2{break-after:avoid}svg,table,.verdict{break-inside:avoid}}\
+@media print{.scroll svg{min-width:0}:root{color-scheme:light;--ink:#000;--soft:#444;--rule:#ccc;--paper:#fff;--card:#fff}details[open] pre{white-space:pre-wrap}h2{break-after:avoid}svg,table,.verdict{break-inside:avoid}}\
 *{box-sizing:border-box}body{margin:0;background:var(--paper);color:var(--ink);font:15px/1.5 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif}\
 main{max-width:1000px;margin:0 auto;padding:28px 20px 56px}h1{font-size:26px;line-height:1.25;margin:0}h2{font-size:18px;margin:34px 0 10px}\
 .lead{color:var(--soft);margin:4px 0 0}.verdict{margin:20px 0;padding:14px 18px;background:var(--card);border-left:5px solid var(--soft);border-radius:4px;font-size:17px}\
 .verdict.good{border-color:var(--good)}.verdict.bad{border-color:var(--bad)}.verdict.even{border-color:var(--even)}\
-.note{color:var(--soft);margin:10px 0;max-width:75ch}.scroll{overflow-x:auto}\
+.note{color:var(--soft);margin:10px 0;max-width:75ch}.scroll{overflow-x:auto}.scroll svg{min-width:680px}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:5px 14px 5px 0;text-align:left;border-bottom:1px solid var(--rule);vertical-align:top}\
 th{font-weight:600}thead th{color:var(--soft);font-weight:500}td.n,th.n{text-align:right;padding-left:14px}td.unit{color:var(--soft)}\
 code,pre,.mono{font:13px/1.45 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}.mono{overflow-wrap:anywhere}\
@@ -137,7 +137,7 @@ impl Page {
 
     /// A picture: an `<svg>` element made by this crate.
     pub fn picture(&mut self, svg: &str) -> &mut Self {
-        self.body.push_str(svg);
+        let _ = writeln!(self.body, "<div class=\"scroll\">{svg}</div>");
         self
     }
 

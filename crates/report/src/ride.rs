@@ -164,7 +164,7 @@ pub fn verdict(rides: &[Ride]) -> (Tone, String) {
                 () => Tone::Even,
             };
             let sentence = format!(
-                "Nobody fell. With {b}, compared with {a}, the rider's effort was {} ({} against {} Nm rms) and roll was {} ({}° against {}° rms). The motors took {} J out of the battery, {} J more.",
+                "The bicycle stayed up in all rides. With {b}, compared with {a}, the rider's effort was {} ({} against {} Nm rms) and roll was {} ({}° against {}° rms). The motors took {} J out of the battery, {} J more.",
                 change(effort, "smaller", "larger"),
                 number(ride.rider_effort_rms_nm, 3),
                 number(reference.rider_effort_rms_nm, 3),
