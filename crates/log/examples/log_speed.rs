@@ -48,12 +48,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             a_rad: tick as f64,
             ..TruthRow::default()
         };
+        let mut measurement = Measurement::default();
+        measurement.imu.stamp_ns = now.as_nanos();
+        measurement.imu.gyro_rad_s = [0.25, -1.0, tick as f32];
+        measurement.motors.winding_celsius = 40.0;
+        let mut answer = Output {
+            demand_nm: 3.0,
+            health: 5,
+            ..Output::default()
+        };
+        answer.estimate.speed_m_s = 6.5;
+        answer.estimate.roll_rad = tick as f32;
         let before = Wall::now();
         log.write(truth, now, &row)?;
         log.write(rider, now, &RiderRow::default())?;
-        log.write(sensor, now, &Measurement::default())?;
+        log.write(sensor, now, &measurement)?;
         log.write(intent, now, &RiderIntent::default())?;
-        log.write(output, now, &Output::default())?;
+        log.write(output, now, &answer)?;
         log.write(timing, now, &TimingRow::default())?;
         in_log_ns.push(before.elapsed().as_nanos() as u64);
         if tick % 50 == 0 {
