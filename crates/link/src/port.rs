@@ -50,8 +50,10 @@ mod tests {
     #[test]
     fn an_answer_to_another_tick_is_refused_in_process_too() {
         let mut late = InProcess::new(|frame: &PlantFrame| {
-            let mut answer = ControllerFrame::default();
-            answer.header = frame.header;
+            let mut answer = ControllerFrame {
+                header: frame.header,
+                ..Default::default()
+            };
             answer.header.protocol_hash = PROTOCOL_HASH;
             answer.header.tick = frame.header.tick.min(1);
             answer

@@ -1,9 +1,12 @@
-//! Waiting for the other side: spin, then yield, then sleep.
+//! Waiting for the other side: spin, then sleep until it rings.
 //!
-//! Spinning answers within a microsecond but takes a core; it pays while both sides run on cores
+//! Spinning answers within microseconds but takes a core; it pays while both sides run on cores
 //! of their own. The time spent on it follows success: a wait that ends while spinning doubles
-//! the next one's limit, one that does not halves it, and every 64th wait tries the full limit
-//! and keeps it where that succeeds. So a single core, or a machine with other work, falls back to sleeping by itself.
+//! the next one's limit, one that does not halves it down to none. Now and then a wait tries the
+//! full limit and keeps it where that succeeds: every 64th, and more rarely the more often
+//! spinning fails. So a single core, or a machine with other work, falls back to sleeping by
+//! itself. There is no yielding in between: it hands the core to whatever else runs for a whole
+//! time slice, while a sleeper that is rung gets it back at once.
 
 use crate::LinkError;
 use crate::bell::Bell;
@@ -35,10 +38,12 @@ impl std::str::FromStr for Waiting {
 
 /// Longest spin.
 const SPIN_MAX: Duration = Duration::from_micros(100);
-/// Shortest spin, while spinning is allowed at all.
-const SPIN_MIN: Duration = Duration::from_micros(8);
-/// How long to yield between spinning and sleeping.
-const YIELD: Duration = Duration::from_micros(50);
+/// A shorter spin than this catches nothing; sleep at once instead.
+const SPIN_MIN: Duration = Duration::from_micros(6);
+/// Waits between two tries of the longest spin, while spinning succeeds.
+const PROBE_MIN: u64 = 64;
+/// The same, while it fails again and again.
+const PROBE_MAX: u64 = 4096;
 /// Longest sleep before the stop flag is looked at.
 pub(crate) const NAP: Duration = Duration::from_millis(20);
 /// How often a long wait is reported.
@@ -51,6 +56,7 @@ pub(crate) struct Waiter {
     waiting: Waiting,
     limit: Duration,
     waits: u64,
+    probe_after: u64,
     stop: Arc<AtomicBool>,
     notice: Notice,
     other: &'static str,
@@ -67,6 +73,7 @@ impl Waiter {
             waiting,
             limit: SPIN_MAX,
             waits: 0,
+            probe_after: PROBE_MIN,
             stop,
             notice,
             other,
@@ -88,20 +95,30 @@ impl Waiter {
     ) -> Result<Option<T>, LinkError> {
         if self.waiting == Waiting::Spin {
             self.waits += 1;
-            let probe = self.waits.is_multiple_of(64);
+            let probe = self.waits >= self.probe_after;
+            // A limit of zero still looks for a frame before it sleeps.
             let limit = if probe { SPIN_MAX } else { self.limit };
+            if probe {
+                self.waits = 0;
+            }
             if let Some(frame) = spin(limit, &mut take)? {
-                self.limit = if probe {
-                    SPIN_MAX
-                } else {
-                    (limit * 2).min(SPIN_MAX)
-                };
+                if probe {
+                    self.limit = SPIN_MAX;
+                } else if !limit.is_zero() {
+                    self.limit = (limit * 2).min(SPIN_MAX);
+                    self.probe_after = (self.probe_after / 2).max(PROBE_MIN);
+                }
                 return Ok(Some(frame));
             }
-            self.limit = (self.limit / 2).max(SPIN_MIN);
-            if let Some(frame) = yielding(&mut take)? {
-                return Ok(Some(frame));
+            if !limit.is_zero() {
+                self.probe_after = (self.probe_after * 2).min(PROBE_MAX);
             }
+            let shorter = self.limit / 2;
+            self.limit = if shorter < SPIN_MIN {
+                Duration::ZERO
+            } else {
+                shorter
+            };
         }
         self.sleep(peer, bell, tick, deadline, take)
     }
@@ -186,17 +203,4 @@ fn spin<T>(
             return Ok(None);
         }
     }
-}
-
-fn yielding<T>(
-    take: &mut impl FnMut() -> Result<Option<T>, LinkError>,
-) -> Result<Option<T>, LinkError> {
-    let end = Instant::now() + YIELD;
-    while Instant::now() < end {
-        std::thread::yield_now();
-        if let Some(frame) = take()? {
-            return Ok(Some(frame));
-        }
-    }
-    Ok(None)
 }
