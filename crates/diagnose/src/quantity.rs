@@ -49,19 +49,29 @@ impl Quantity {
     /// Whether the benchmark bicycle can be driven by it.
     pub fn drives_benchmark(self) -> bool {
         use Quantity::*;
-        matches!(self, Speed | SteerTorque | RollTorque | LateralForce | FrontBrake | RearTraction | RoadSlope)
+        matches!(
+            self,
+            Speed | SteerTorque | RollTorque | LateralForce | FrontBrake | RearTraction | RoadSlope
+        )
     }
 
     /// Whether the benchmark bicycle says what it should be.
     pub fn predicted_by_benchmark(self) -> bool {
         use Quantity::*;
-        self.is_lateral() || matches!(self, Speed | LongitudinalAccel | FrontWheelRate | RearWheelRate)
+        self.is_lateral()
+            || matches!(
+                self,
+                Speed | LongitudinalAccel | FrontWheelRate | RearWheelRate
+            )
     }
 
     /// Whether it belongs to roll, steer and yaw.
     pub fn is_lateral(self) -> bool {
         use Quantity::*;
-        matches!(self, Roll | RollRate | Steer | SteerRate | Yaw | YawRate | LateralAccel)
+        matches!(
+            self,
+            Roll | RollRate | Steer | SteerRate | Yaw | YawRate | LateralAccel
+        )
     }
 }
 

@@ -33,6 +33,8 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn solve_spd(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
     let matrix = nalgebra::DMatrix::from_row_slice(n, n, a);
-    let solution = matrix.cholesky()?.solve(&nalgebra::DVector::from_column_slice(b));
+    let solution = matrix
+        .cholesky()?
+        .solve(&nalgebra::DVector::from_column_slice(b));
     Some(solution.as_slice().to_vec())
 }

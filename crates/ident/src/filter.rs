@@ -34,7 +34,10 @@ impl Levels {
             NoiseLevel::Known(sd) => sd,
             NoiseLevel::Free(index) => estimates[PROCESS_SOURCES + index],
         });
-        Self { process_nm_sqrt_s: std::array::from_fn(|i| estimates[i]), sensor: sensor.collect() }
+        Self {
+            process_nm_sqrt_s: std::array::from_fn(|i| estimates[i]),
+            sensor: sensor.collect(),
+        }
     }
 }
 
@@ -77,8 +80,21 @@ impl<'a> Filter<'a> {
         for (i, variance) in track.prior_variance.iter().enumerate() {
             p[i * n + i] = *variance;
         }
-        let estimate = Estimate { x: vec![0.0; n], p, history: vec![], t_s: 0.0 };
-        Self { track, levels, estimate, scratch: vec![0.0; n * n], gain: vec![0.0; n], before: vec![0.0; n], passed_s: 0.0 }
+        let estimate = Estimate {
+            x: vec![0.0; n],
+            p,
+            history: vec![],
+            t_s: 0.0,
+        };
+        Self {
+            track,
+            levels,
+            estimate,
+            scratch: vec![0.0; n * n],
+            gain: vec![0.0; n],
+            before: vec![0.0; n],
+            passed_s: 0.0,
+        }
     }
 
     /// Goes through all windows.
@@ -152,7 +168,12 @@ impl<'a> Filter<'a> {
         let mut noise = sd * sd + self.track.quantum_variance[reading.sensor];
         if self.track.clock_jitter_sd_s > 0.0 && self.passed_s > 0.0 {
             // The reading moves by its rate times the error of its time stamp.
-            let moved: f64 = reading.row.iter().zip(x.iter().zip(&self.before)).map(|(c, (now, then))| c * (now - then)).sum();
+            let moved: f64 = reading
+                .row
+                .iter()
+                .zip(x.iter().zip(&self.before))
+                .map(|(c, (now, then))| c * (now - then))
+                .sum();
             let error = moved / self.passed_s * self.track.clock_jitter_sd_s;
             noise += error * error;
         }
@@ -184,7 +205,8 @@ impl Estimate {
             Some(open) if self.needs_open(open) => {
                 mul_vec(&mut next, &open.phi, &self.x);
                 for (index, law) in open.laws.iter().enumerate() {
-                    let torque = self.law_torque(index, open, started_s, started_s + 0.5 * step.dt_s);
+                    let torque =
+                        self.law_torque(index, open, started_s, started_s + 0.5 * step.dt_s);
                     for (x, push) in next.iter_mut().zip(&law.push) {
                         *x += torque * push;
                     }
@@ -208,7 +230,9 @@ impl Estimate {
 
     /// Whether a law is delayed or beyond its limit now.
     fn needs_open(&self, open: &OpenStep) -> bool {
-        open.laws.iter().any(|law| law.delay_s > 0.0 || dot(&law.row, &self.x).abs() > law.limit_nm)
+        open.laws
+            .iter()
+            .any(|law| law.delay_s > 0.0 || dot(&law.row, &self.x).abs() > law.limit_nm)
     }
 
     /// Torque of a law over the step from `now_s`, `middle_s` being its middle.
@@ -238,7 +262,12 @@ impl Estimate {
 
     /// Runs free over the steps, without reading: calls `visit` with each reading met and what the
     /// model says it should be.
-    pub fn free_run(&self, track: &Track, steps: std::ops::Range<usize>, mut visit: impl FnMut(usize, f64)) {
+    pub fn free_run(
+        &self,
+        track: &Track,
+        steps: std::ops::Range<usize>,
+        mut visit: impl FnMut(usize, f64),
+    ) {
         let mut state = self.clone();
         for step in &track.steps[steps] {
             state.advance(step, track.layout.dynamic);

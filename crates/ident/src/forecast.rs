@@ -53,23 +53,40 @@ impl Listener for Keep<'_> {
 
     fn step(&mut self, step: usize, estimate: &Estimate) {
         if self.wanted.binary_search(&step).is_ok() {
-            self.found.push(Origin { step, estimate: estimate.clone() });
+            self.found.push(Origin {
+                step,
+                estimate: estimate.clone(),
+            });
         }
     }
 }
 
 /// Estimates after the given steps (ascending), each from the readings up to there.
 pub fn origins(track: &Track, levels: &Levels, steps: &[usize]) -> Vec<Origin> {
-    let mut keep = Keep { wanted: steps, found: vec![] };
+    let mut keep = Keep {
+        wanted: steps,
+        found: vec![],
+    };
     Filter::new(track, levels).run(&mut keep);
     keep.found
 }
 
 /// Free runs of every horizon.
-pub fn forecast(track: &Track, levels: &Levels, horizons_s: &[f64], restart_s: f64) -> Vec<Forecast> {
+pub fn forecast(
+    track: &Track,
+    levels: &Levels,
+    horizons_s: &[f64],
+    restart_s: f64,
+) -> Vec<Forecast> {
     let starts: Vec<Vec<usize>> = horizons_s
         .iter()
-        .map(|h| track.stretches.iter().flat_map(|s| start_steps(track, s, *h, restart_s)).collect())
+        .map(|h| {
+            track
+                .stretches
+                .iter()
+                .flat_map(|s| start_steps(track, s, *h, restart_s))
+                .collect()
+        })
         .collect();
     let mut all: Vec<usize> = starts.concat();
     all.sort_unstable();
@@ -82,33 +99,68 @@ pub fn forecast(track: &Track, levels: &Levels, horizons_s: &[f64], restart_s: f
         .map(|(&horizon_s, starts)| {
             let mut predictions = vec![];
             for start in starts {
-                let Ok(index) = origins.binary_search_by_key(start, |o| o.step) else { continue };
+                let Ok(index) = origins.binary_search_by_key(start, |o| o.step) else {
+                    continue;
+                };
                 run(track, &origins[index], horizon_s, sensors, &mut predictions);
             }
-            Forecast { horizon_s, predictions, runs: starts.len() }
+            Forecast {
+                horizon_s,
+                predictions,
+                runs: starts.len(),
+            }
         })
         .collect()
 }
 
-fn run(track: &Track, origin: &Origin, horizon_s: f64, sensors: usize, predictions: &mut Vec<Prediction>) {
-    let Some(stretch) = track.stretches.iter().find(|s| s.steps.contains(&origin.step)) else { return };
+fn run(
+    track: &Track,
+    origin: &Origin,
+    horizon_s: f64,
+    sensors: usize,
+    predictions: &mut Vec<Prediction>,
+) {
+    let Some(stretch) = track
+        .stretches
+        .iter()
+        .find(|s| s.steps.contains(&origin.step))
+    else {
+        return;
+    };
     let t0 = track.steps[origin.step].t_s;
     let first_reading = track.steps[stretch.steps.start].readings.start;
     let held: Vec<Option<f64>> = (0..sensors)
         .map(|sensor| {
             let past = &track.readings[first_reading..track.steps[origin.step].readings.end];
-            past.iter().rev().find(|r| r.sensor == sensor).map(|r| r.value)
+            past.iter()
+                .rev()
+                .find(|r| r.sensor == sensor)
+                .map(|r| r.value)
         })
         .collect();
-    let end = track.steps[..stretch.steps.end].partition_point(|s| s.t_s <= t0 + horizon_s + 1e-6 || s.t_s <= t0);
+    let end = track.steps[..stretch.steps.end]
+        .partition_point(|s| s.t_s <= t0 + horizon_s + 1e-6 || s.t_s <= t0);
     let end = end.clamp(origin.step + 1, stretch.steps.end);
     let from = predictions.len();
-    let mut lead = (origin.step + 1..end).flat_map(|s| track.steps[s].readings.clone().map(move |_| track.steps[s].t_s - t0));
-    origin.estimate.free_run(track, origin.step + 1..end, |reading, predicted| {
-        let sensor = track.readings[reading].sensor;
-        let lead_s = lead.next().unwrap_or(horizon_s);
-        predictions.push(Prediction { reading, predicted, held: held[sensor], lead_s, last: false });
+    let mut lead = (origin.step + 1..end).flat_map(|s| {
+        track.steps[s]
+            .readings
+            .clone()
+            .map(move |_| track.steps[s].t_s - t0)
     });
+    origin
+        .estimate
+        .free_run(track, origin.step + 1..end, |reading, predicted| {
+            let sensor = track.readings[reading].sensor;
+            let lead_s = lead.next().unwrap_or(horizon_s);
+            predictions.push(Prediction {
+                reading,
+                predicted,
+                held: held[sensor],
+                lead_s,
+                last: false,
+            });
+        });
     let mut seen = vec![false; sensors];
     for prediction in predictions[from..].iter_mut().rev() {
         let sensor = track.readings[prediction.reading].sensor;
@@ -120,7 +172,9 @@ fn run(track: &Track, origin: &Origin, horizon_s: f64, sensors: usize, predictio
 /// Steps at whose end free runs of one horizon start.
 fn start_steps(track: &Track, stretch: &Stretch, horizon_s: f64, restart_s: f64) -> Vec<usize> {
     let steps = &track.steps[stretch.steps.clone()];
-    let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return vec![] };
+    let (Some(first), Some(last)) = (steps.first(), steps.last()) else {
+        return vec![];
+    };
     // A reading stands for the interval that follows it: the last one ends with the window.
     let interval = (last.t_s - first.t_s) / (steps.len().max(2) - 1) as f64;
     let end = last.t_s + interval + 1e-6;
@@ -132,7 +186,9 @@ fn start_steps(track: &Track, stretch: &Stretch, horizon_s: f64, restart_s: f64)
         .collect();
     let latest = end - horizon_s;
     if starts.is_empty() && latest > first.t_s + 2.0 * interval {
-        starts.push(stretch.steps.start + steps.partition_point(|s| s.t_s <= latest).saturating_sub(1));
+        starts.push(
+            stretch.steps.start + steps.partition_point(|s| s.t_s <= latest).saturating_sub(1),
+        );
     }
     starts.retain(|s| s + 1 < stretch.steps.end);
     starts.dedup();
@@ -174,7 +230,8 @@ impl Score {
 
     /// Variance accounted for, at most 1; none if the reading does not vary.
     pub fn vaf(&self) -> Option<f64> {
-        (self.count > 1.0 && self.reading_spread > 0.0).then(|| 1.0 - self.error_spread / self.reading_spread)
+        (self.count > 1.0 && self.reading_spread > 0.0)
+            .then(|| 1.0 - self.error_spread / self.reading_spread)
     }
 
     /// Number of readings.
@@ -193,6 +250,19 @@ pub struct Growth {
 /// Of a matrix of the bicycle's four states.
 pub fn growth(a: &[[f64; 4]; 4]) -> Growth {
     let matrix = nalgebra::Matrix4::from_fn(|i, j| a[i][j]);
-    let worst = matrix.complex_eigenvalues().iter().copied().reduce(|p, q| if q.re > p.re { q } else { p });
-    worst.map_or(Growth { rate_1_s: 0.0, omega_rad_s: 0.0 }, |z| Growth { rate_1_s: z.re, omega_rad_s: z.im.abs() })
+    let worst = matrix
+        .complex_eigenvalues()
+        .iter()
+        .copied()
+        .reduce(|p, q| if q.re > p.re { q } else { p });
+    worst.map_or(
+        Growth {
+            rate_1_s: 0.0,
+            omega_rad_s: 0.0,
+        },
+        |z| Growth {
+            rate_1_s: z.re,
+            omega_rad_s: z.im.abs(),
+        },
+    )
 }

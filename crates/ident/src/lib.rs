@@ -7,6 +7,8 @@
 
 pub mod dense;
 pub mod equations;
+#[cfg(test)]
+mod equations_test;
 pub mod filter;
 pub mod forecast;
 pub mod noise;

@@ -22,11 +22,13 @@ use crate::track::{PROCESS_SOURCES, Track};
 
 const PRIOR_FACTOR: f64 = 30.0;
 const DIFFERENCE: f64 = 1e-4;
-const MAX_ROUNDS: usize = 40;
+const MAX_ROUNDS: usize = 60;
 /// Levels have settled when the next step would change their logarithms by less than this, or gain
 /// less than `GAIN_TOLERANCE` in log likelihood.
 const STEP_TOLERANCE: f64 = 1e-3;
 const GAIN_TOLERANCE: f64 = 1e-2;
+/// Or when so many rounds in a row have gained less than that.
+const STILL_ROUNDS: usize = 3;
 const LONGEST_LOG_STEP: f64 = 1.5;
 
 /// Where a level may lie.
@@ -38,7 +40,11 @@ pub struct Range {
 }
 
 /// Default range of the process noise: from far below a draught to far beyond any rider.
-pub const PROCESS_RANGE: Range = Range { start: 1.0, least: 1e-4, most: 1e3 };
+pub const PROCESS_RANGE: Range = Range {
+    start: 1.0,
+    least: 1e-4,
+    most: 1e3,
+};
 
 /// The estimate.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,18 +95,39 @@ impl Innovations {
 
     fn minus_log_likelihood(&self) -> f64 {
         let pairs = self.error.iter().zip(&self.variance);
-        pairs.map(|(e, s)| if *s > 0.0 { 0.5 * (e * e / s + libm::log(*s)) } else { f64::INFINITY }).sum()
+        pairs
+            .map(|(e, s)| {
+                if *s > 0.0 {
+                    0.5 * (e * e / s + libm::log(*s))
+                } else {
+                    f64::INFINITY
+                }
+            })
+            .sum()
     }
 }
 
 /// Estimates the levels; `ranges` holds the two process sources first, then each free sensor.
-pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress: impl FnMut(usize)) -> Result<NoiseEstimate, NoiseError> {
-    assert!(ranges.len() >= PROCESS_SOURCES, "two process sources come first");
+pub fn estimate(
+    rides: &[Ride],
+    tracks: &[Track],
+    ranges: &[Range],
+    mut progress: impl FnMut(usize),
+) -> Result<NoiseEstimate, NoiseError> {
+    assert!(
+        ranges.len() >= PROCESS_SOURCES,
+        "two process sources come first"
+    );
     let count = ranges.len();
     let start: Vec<f64> = ranges.iter().map(|r| libm::log(r.start)).collect();
     let clamp = |i: usize, x: f64| x.clamp(libm::log(ranges[i].least), libm::log(ranges[i].most));
     let precision = 1.0 / (libm::log(PRIOR_FACTOR) * libm::log(PRIOR_FACTOR));
-    let prior = |x: &[f64]| -> f64 { x.iter().zip(&start).map(|(x, m)| 0.5 * precision * (x - m) * (x - m)).sum() };
+    let prior = |x: &[f64]| -> f64 {
+        x.iter()
+            .zip(&start)
+            .map(|(x, m)| 0.5 * precision * (x - m) * (x - m))
+            .sum()
+    };
     let mut x = start.clone();
     let mut now = Innovations::of(rides, tracks, &x);
     if now.error.is_empty() {
@@ -112,6 +139,7 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
     }
     let mut damping = 1e-3;
     let mut converged = false;
+    let mut still = 0;
     let mut information = vec![0.0; count * count];
     for round in 0..MAX_ROUNDS {
         progress(round);
@@ -123,9 +151,11 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
             information[i * count + i] += precision;
         }
         // A level at its limit that wants to go on is held there.
-        let held: Vec<bool> =
-            (0..count).map(|i| x[i] == clamp(i, x[i] - gradient[i].signum()) && gradient[i] != 0.0).collect();
+        let held: Vec<bool> = (0..count)
+            .map(|i| x[i] == clamp(i, x[i] - gradient[i].signum()) && gradient[i] != 0.0)
+            .collect();
         let mut moved = 0.0f64;
+        let before = value;
         let mut accepted = false;
         while damping < 1e8 {
             let mut system = information.clone();
@@ -145,9 +175,14 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
                 damping *= 10.0;
                 continue;
             };
-            let trial: Vec<f64> =
-                (0..count).map(|i| clamp(i, x[i] + step[i].clamp(-LONGEST_LOG_STEP, LONGEST_LOG_STEP))).collect();
-            moved = trial.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let trial: Vec<f64> = (0..count)
+                .map(|i| clamp(i, x[i] + step[i].clamp(-LONGEST_LOG_STEP, LONGEST_LOG_STEP)))
+                .collect();
+            moved = trial
+                .iter()
+                .zip(&x)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
             let gain: f64 = 0.5 * step.iter().zip(&right).map(|(d, g)| d * g).sum::<f64>();
             if gain < GAIN_TOLERANCE && damping <= 1e-2 {
                 moved = 0.0;
@@ -166,8 +201,13 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
             }
             damping *= 10.0;
         }
-        if moved < STEP_TOLERANCE || !accepted {
-            converged = moved < STEP_TOLERANCE;
+        still = if before - value < GAIN_TOLERANCE {
+            still + 1
+        } else {
+            0
+        };
+        if moved < STEP_TOLERANCE || !accepted || still == STILL_ROUNDS {
+            converged = accepted || moved < STEP_TOLERANCE;
             break;
         }
     }
@@ -175,11 +215,18 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
         let unit: Vec<f64> = (0..count).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
         solve_spd(&information, &unit).map_or(f64::INFINITY, |column| column[i].max(0.0).sqrt())
     });
-    let consistency =
-        now.error.iter().zip(&now.variance).map(|(e, s)| e * e / s).sum::<f64>() / now.error.len() as f64;
+    let consistency = now
+        .error
+        .iter()
+        .zip(&now.variance)
+        .map(|(e, s)| e * e / s)
+        .sum::<f64>()
+        / now.error.len() as f64;
     Ok(NoiseEstimate {
         log_standard_error: log_standard_error.collect(),
-        at_limit: (0..count).map(|i| x[i] == clamp(i, x[i] - 1e-9) || x[i] == clamp(i, x[i] + 1e-9)).collect(),
+        at_limit: (0..count)
+            .map(|i| x[i] == clamp(i, x[i] - 1e-9) || x[i] == clamp(i, x[i] + 1e-9))
+            .collect(),
         levels: x.iter().map(|x| libm::exp(*x)).collect(),
         minus_log_likelihood: now.minus_log_likelihood(),
         consistency,
@@ -188,7 +235,12 @@ pub fn estimate(rides: &[Ride], tracks: &[Track], ranges: &[Range], mut progress
 }
 
 /// Gradient and information of the minus log likelihood.
-fn derivatives(rides: &[Ride], tracks: &[Track], x: &[f64], now: &Innovations) -> (Vec<f64>, Vec<f64>) {
+fn derivatives(
+    rides: &[Ride],
+    tracks: &[Track],
+    x: &[f64],
+    now: &Innovations,
+) -> (Vec<f64>, Vec<f64>) {
     let count = x.len();
     let slopes: Vec<Innovations> = (0..count)
         .map(|i| {

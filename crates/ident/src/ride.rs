@@ -14,7 +14,10 @@ pub enum Output {
     Yaw,
     YawRate,
     /// Specific force to the right in the rear frame, at (x, z) from the rear contact.
-    LateralAccel { x_m: f64, z_m: f64 },
+    LateralAccel {
+        x_m: f64,
+        z_m: f64,
+    },
 }
 
 /// Standard deviation of a sensor's white noise.
@@ -74,7 +77,10 @@ pub struct Law {
 pub enum Gain {
     Constant(f64),
     /// gain * (speed0 - speed), zero above speed0.
-    SpeedScheduled { gain: f64, speed0_m_s: f64 },
+    SpeedScheduled {
+        gain: f64,
+        speed0_m_s: f64,
+    },
 }
 
 impl Gain {

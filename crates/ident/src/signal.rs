@@ -23,30 +23,49 @@ pub enum SignalError {
     #[error("no sample at all")]
     Empty,
     #[error("sample {index} at {t_s} s is not after the one before it, at {before_s} s")]
-    NotAscending { index: usize, t_s: f64, before_s: f64 },
+    NotAscending {
+        index: usize,
+        t_s: f64,
+        before_s: f64,
+    },
     #[error("sample {index} is not finite")]
     NotFinite { index: usize },
 }
 
 impl Signal {
     /// From samples in the order of time; missing values are simply not among them.
-    pub fn new(samples: impl IntoIterator<Item = (f64, f64)>, hold: Hold) -> Result<Self, SignalError> {
+    pub fn new(
+        samples: impl IntoIterator<Item = (f64, f64)>,
+        hold: Hold,
+    ) -> Result<Self, SignalError> {
         let (t_s, value): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
         if t_s.is_empty() {
             return Err(SignalError::Empty);
         }
-        if let Some(index) = t_s.iter().zip(&value).position(|(t, v)| !t.is_finite() || !v.is_finite()) {
+        if let Some(index) = t_s
+            .iter()
+            .zip(&value)
+            .position(|(t, v)| !t.is_finite() || !v.is_finite())
+        {
             return Err(SignalError::NotFinite { index });
         }
         if let Some(index) = t_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-            return Err(SignalError::NotAscending { index: index + 1, t_s: t_s[index + 1], before_s: t_s[index] });
+            return Err(SignalError::NotAscending {
+                index: index + 1,
+                t_s: t_s[index + 1],
+                before_s: t_s[index],
+            });
         }
         Ok(Self { t_s, value, hold })
     }
 
     /// The same value for ever.
     pub fn constant(value: f64) -> Self {
-        Self { t_s: vec![0.0], value: vec![value], hold: Hold::Zero }
+        Self {
+            t_s: vec![0.0],
+            value: vec![value],
+            hold: Hold::Zero,
+        }
     }
 
     /// Times of the samples.
@@ -74,8 +93,12 @@ impl Signal {
         if next == self.t_s.len() || self.hold == Hold::Zero {
             return (self.value[next - 1], 0.0);
         }
-        let slope = (self.value[next] - self.value[next - 1]) / (self.t_s[next] - self.t_s[next - 1]);
-        (self.value[next - 1] + slope * (t_s - self.t_s[next - 1]), slope)
+        let slope =
+            (self.value[next] - self.value[next - 1]) / (self.t_s[next] - self.t_s[next - 1]);
+        (
+            self.value[next - 1] + slope * (t_s - self.t_s[next - 1]),
+            slope,
+        )
     }
 }
 
@@ -99,7 +122,13 @@ mod tests {
     #[test]
     fn refuses_bad_samples() {
         assert_eq!(Signal::new([], Hold::Zero).unwrap_err(), SignalError::Empty);
-        assert!(matches!(Signal::new([(0.0, 1.0), (0.0, 2.0)], Hold::Zero), Err(SignalError::NotAscending { index: 1, .. })));
-        assert!(matches!(Signal::new([(0.0, f64::NAN)], Hold::Zero), Err(SignalError::NotFinite { index: 0 })));
+        assert!(matches!(
+            Signal::new([(0.0, 1.0), (0.0, 2.0)], Hold::Zero),
+            Err(SignalError::NotAscending { index: 1, .. })
+        ));
+        assert!(matches!(
+            Signal::new([(0.0, f64::NAN)], Hold::Zero),
+            Err(SignalError::NotFinite { index: 0 })
+        ));
     }
 }

@@ -30,7 +30,9 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 fn norm(a: &[f64], n: usize) -> f64 {
-    a.chunks_exact(n).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max)
+    a.chunks_exact(n)
+        .map(|row| row.iter().map(|x| x.abs()).sum::<f64>())
+        .fold(0.0, f64::max)
 }
 
 /// Halvings that bring the norm of `a h` below one half.
@@ -92,7 +94,12 @@ pub fn response(a: &[f64], n: usize, b0: &[f64], b1: &[f64], h: f64) -> Vec<f64>
             mul_vec(&mut next, a, &term);
             let factor = part / k as f64;
             for ((t, y), slope) in term.iter_mut().zip(&next).zip(b1) {
-                *t = y * factor + if k == 2 { slope * part * part * 0.5 } else { 0.0 };
+                *t = y * factor
+                    + if k == 2 {
+                        slope * part * part * 0.5
+                    } else {
+                        0.0
+                    };
             }
             for (s, t) in x.iter_mut().zip(&term) {
                 *s += t;
@@ -104,7 +111,7 @@ pub fn response(a: &[f64], n: usize, b0: &[f64], b1: &[f64], h: f64) -> Vec<f64>
 
 /// The covariance that white noise of unit intensity through `g` leaves after `h`, row-major.
 pub fn noise(a: &[f64], n: usize, g: &[f64], h: f64) -> Vec<f64> {
-    let count = halvings(a, n, h).min(6);
+    let count = halvings(a, n, h).min(12);
     let parts = 1u32 << count;
     let part = h / f64::from(parts);
     let mut q = vec![0.0; n * n];

@@ -5,7 +5,9 @@ use crate::data::{Channel, RideData};
 use crate::quantity::Quantity;
 use crate::study::{ChannelSpec, HoldKind, LawKind, LawSpec, Role, WindowSpec};
 use twinhub_ident::noise::PROCESS_RANGE;
-use twinhub_ident::{Drive, Equations, Gain, Hold, Law, NoiseLevel, Output, Range, Ride, Sensor, Signal, Window};
+use twinhub_ident::{
+    Drive, Equations, Gain, Hold, Law, NoiseLevel, Output, Range, Ride, Sensor, Signal, Window,
+};
 
 /// What the predictor needs, and which sensor is which channel.
 pub struct Problem {
@@ -20,7 +22,12 @@ pub struct Problem {
 
 impl Problem {
     pub fn new(equations: &Equations, data: &[RideData]) -> Result<Self, CompareError> {
-        let mut problem = Self { rides: vec![], channels: vec![], ranges: vec![PROCESS_RANGE; 2], free: vec![] };
+        let mut problem = Self {
+            rides: vec![],
+            channels: vec![],
+            ranges: vec![PROCESS_RANGE; 2],
+            free: vec![],
+        };
         for ride in data {
             problem.add(equations, ride)?;
         }
@@ -37,12 +44,18 @@ impl Problem {
             }
         }
         let inputs = || data.channels.iter().filter(|c| c.spec.role == Role::Input);
-        let find = |quantity| inputs().find(|c| c.spec.quantity == quantity).map(input_signal).transpose();
+        let find = |quantity| {
+            inputs()
+                .find(|c| c.spec.quantity == quantity)
+                .map(input_signal)
+                .transpose()
+        };
         let Some(speed) = find(Quantity::Speed)? else {
             return Err(CompareError::Channel {
                 place: data.spec.place.clone(),
                 found: "a ride whose speed_m_s is an output".to_owned(),
-                accepted: "speed_m_s with role = \"input\": compare prescribes the speed".to_owned(),
+                accepted: "speed_m_s with role = \"input\": compare prescribes the speed"
+                    .to_owned(),
             });
         };
         let mut drives = vec![];
@@ -70,14 +83,25 @@ impl Problem {
             drives,
             laws: data.spec.laws.iter().map(law).collect(),
             sensors,
-            windows: data.windows.iter().map(|w| Window { start_s: w.start_s, end_s: w.end_s }).collect(),
+            windows: data
+                .windows
+                .iter()
+                .map(|w| Window {
+                    start_s: w.start_s,
+                    end_s: w.end_s,
+                })
+                .collect(),
             clock_jitter_sd_s: data.spec.clock_jitter_sd_s,
         });
         self.channels.push(channels);
         Ok(())
     }
 
-    fn sensor(&mut self, channel: &Channel, windows: &[WindowSpec]) -> Result<Sensor, CompareError> {
+    fn sensor(
+        &mut self,
+        channel: &Channel,
+        windows: &[WindowSpec],
+    ) -> Result<Sensor, CompareError> {
         let spec = &channel.spec;
         let output = match spec.quantity {
             Quantity::Roll => Output::Roll,
@@ -94,7 +118,8 @@ impl Problem {
                 return Err(CompareError::Channel {
                     place: spec.place.clone(),
                     found: format!("output {other}"),
-                    accepted: "outputs of roll, steer and yaw: compare prescribes the speed".to_owned(),
+                    accepted: "outputs of roll, steer and yaw: compare prescribes the speed"
+                        .to_owned(),
                 });
             }
         };
@@ -107,11 +132,19 @@ impl Problem {
                 let index = match known {
                     Some(index) => index,
                     None => {
-                        let values: Vec<f64> = channel.samples.iter().filter(|s| inside(s.0)).map(|s| s.1).collect();
+                        let values: Vec<f64> = channel
+                            .samples
+                            .iter()
+                            .filter(|s| inside(s.0))
+                            .map(|s| s.1)
+                            .collect();
                         let Some(range) = noise_range(&values) else {
                             return Err(CompareError::Channel {
                                 place: spec.place.clone(),
-                                found: format!("column {} that does not vary in the windows", spec.column),
+                                found: format!(
+                                    "column {} that does not vary in the windows",
+                                    spec.column
+                                ),
                                 accepted: "an output that varies, or role = \"check\"".to_owned(),
                             });
                         };
@@ -144,15 +177,26 @@ fn noise_range(values: &[f64]) -> Option<Range> {
     if values.len() < 3 || !(sd.is_finite() && sd > 0.0) {
         return None;
     }
-    let mut rough: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    let mut rough: Vec<f64> = values
+        .windows(3)
+        .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs())
+        .collect();
     rough.sort_by(f64::total_cmp);
     // Median of |N(0, 6 sd²)|.
     let start = rough[rough.len() / 2] / (0.6745 * 6.0f64.sqrt());
-    Some(Range { start: start.clamp(1e-3 * sd, sd), least: 1e-4 * sd, most: 3.0 * sd })
+    Some(Range {
+        start: start.clamp(1e-2 * sd, sd),
+        least: 1e-4 * sd,
+        most: 3.0 * sd,
+    })
 }
 
 fn lag_s(spec: &ChannelSpec) -> f64 {
-    if spec.lowpass_hz > 0.0 { 1.0 / (2.0 * std::f64::consts::PI * spec.lowpass_hz) } else { 0.0 }
+    if spec.lowpass_hz > 0.0 {
+        1.0 / (2.0 * std::f64::consts::PI * spec.lowpass_hz)
+    } else {
+        0.0
+    }
 }
 
 /// An input in true time. A running mean of length T has the phase of a delay of T/2 exactly; its
@@ -164,10 +208,12 @@ fn input_signal(channel: &Channel) -> Result<Signal, CompareError> {
         HoldKind::Zero => Hold::Zero,
         HoldKind::Linear => Hold::Linear,
     };
-    Signal::new(channel.samples.iter().map(|(t, v)| (t - shift, *v)), hold).map_err(|e| CompareError::Channel {
-        place: spec.place.clone(),
-        found: e.to_string(),
-        accepted: "samples in the order of time".to_owned(),
+    Signal::new(channel.samples.iter().map(|(t, v)| (t - shift, *v)), hold).map_err(|e| {
+        CompareError::Channel {
+            place: spec.place.clone(),
+            found: e.to_string(),
+            accepted: "samples in the order of time".to_owned(),
+        }
     })
 }
 
@@ -180,9 +226,16 @@ fn law(spec: &LawSpec) -> Law {
             Quantity::YawRate => Output::YawRate,
             _ => Output::RollRate,
         },
-        arm: if spec.quantity == Quantity::RollTorque { [1.0, 0.0] } else { [0.0, 1.0] },
+        arm: if spec.quantity == Quantity::RollTorque {
+            [1.0, 0.0]
+        } else {
+            [0.0, 1.0]
+        },
         gain: match (spec.kind, spec.speed0_m_s) {
-            (LawKind::SpeedScheduledRate, Some(speed0_m_s)) => Gain::SpeedScheduled { gain: spec.gain, speed0_m_s },
+            (LawKind::SpeedScheduledRate, Some(speed0_m_s)) => Gain::SpeedScheduled {
+                gain: spec.gain,
+                speed0_m_s,
+            },
             _ => Gain::Constant(spec.gain),
         },
         limit_nm: spec.limit_nm,

@@ -124,13 +124,23 @@ impl Scores {
     pub fn add(&mut self, track: &Track, sensor: usize, forecasts: &[Forecast], noise_sd: f64) {
         self.noise_sd = noise_sd;
         for (k, forecast) in forecasts.iter().enumerate() {
-            let mine = || forecast.predictions.iter().filter(|p| track.readings[p.reading].sensor == sensor);
+            let mine = || {
+                forecast
+                    .predictions
+                    .iter()
+                    .filter(|p| track.readings[p.reading].sensor == sensor)
+            };
             let value = |reading: usize| track.readings[reading].value;
             let pairs: Vec<(f64, f64)> = mine().map(|p| (value(p.reading), p.predicted)).collect();
             self.model[k].add(&pairs);
-            let ends: Vec<(f64, f64)> = mine().filter(|p| p.last).map(|p| (value(p.reading), p.predicted)).collect();
+            let ends: Vec<(f64, f64)> = mine()
+                .filter(|p| p.last)
+                .map(|p| (value(p.reading), p.predicted))
+                .collect();
             self.end[k].add(&ends);
-            let held: Vec<(f64, f64)> = mine().filter_map(|p| Some((value(p.reading), p.held?))).collect();
+            let held: Vec<(f64, f64)> = mine()
+                .filter_map(|p| Some((value(p.reading), p.held?)))
+                .collect();
             self.held[k].add(&held);
             if k == MAIN_HORIZON {
                 for p in mine().filter(|p| p.last) {
@@ -160,7 +170,11 @@ impl Scores {
             column: column.to_owned(),
             vaf: self.model[MAIN_HORIZON].vaf(),
             rmse: self.model[MAIN_HORIZON].rmse(),
-            horizons: HORIZONS_S.iter().enumerate().map(|(k, h)| (h.to_string(), horizon(k))).collect(),
+            horizons: HORIZONS_S
+                .iter()
+                .enumerate()
+                .map(|(k, h)| (h.to_string(), horizon(k)))
+                .collect(),
             noise_sd: self.noise_sd,
             change_correlation: (xx > 0.0 && yy > 0.0).then(|| xy / (xx * yy).sqrt()),
         }
@@ -177,7 +191,11 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
 pub(super) fn worst_stretch(traces: &[RideTrace]) -> Option<Worst> {
     let mut worst: Option<Worst> = None;
     for (ride_index, trace) in traces.iter().enumerate() {
-        let spreads: Vec<f64> = trace.channels.iter().map(|c| spread(c.measured.iter().map(|m| m[1]))).collect();
+        let spreads: Vec<f64> = trace
+            .channels
+            .iter()
+            .map(|c| spread(c.measured.iter().map(|m| m[1])))
+            .collect();
         for &[start, end] in &trace.windows_s {
             let length = WORST_S.min(end - start);
             let count = ((end - start - length) / (WORST_S / 20.0) + 1e-9) as usize;
@@ -190,13 +208,26 @@ pub(super) fn worst_stretch(traces: &[RideTrace]) -> Option<Worst> {
                     let part = &channel.predicted[begin..stop];
                     let read = |t: f64| channel.measured.partition_point(|m| m[0] < t);
                     // A stretch that is hardly predicted at all is not judged.
-                    if part.len() * 2 < read(from + length) - read(from) || part.is_empty() || *sd == 0.0 {
+                    if part.len() * 2 < read(from + length) - read(from)
+                        || part.is_empty()
+                        || *sd == 0.0
+                    {
                         continue;
                     }
-                    let square = part.iter().map(|p| (p[1] - p[2]) * (p[1] - p[2])).sum::<f64>() / part.len() as f64;
+                    let square = part
+                        .iter()
+                        .map(|p| (p[1] - p[2]) * (p[1] - p[2]))
+                        .sum::<f64>()
+                        / part.len() as f64;
                     ratios.push((square / (sd * sd), index));
                 }
-                let Some(most) = ratios.iter().copied().reduce(|p, q| if q.0 > p.0 { q } else { p }) else { continue };
+                let Some(most) = ratios
+                    .iter()
+                    .copied()
+                    .reduce(|p, q| if q.0 > p.0 { q } else { p })
+                else {
+                    continue;
+                };
                 let ratio = (ratios.iter().map(|r| r.0).sum::<f64>() / ratios.len() as f64).sqrt();
                 if worst.as_ref().is_none_or(|w| ratio > w.error_ratio) {
                     worst = Some(Worst {
@@ -216,18 +247,40 @@ pub(super) fn worst_stretch(traces: &[RideTrace]) -> Option<Worst> {
 
 #[allow(clippy::too_many_arguments)]
 pub(super) fn assemble(
-    study: &Study, data: &[RideData], scores: BTreeMap<(Quantity, String), Scores>, traces: Vec<RideTrace>, worst: Option<Worst>,
-    growth: Growth, mean_speed_m_s: f64, estimate: &NoiseEstimate, free: &[(Quantity, String)], relations: Vec<Relation>,
+    study: &Study,
+    data: &[RideData],
+    scores: BTreeMap<(Quantity, String), Scores>,
+    traces: Vec<RideTrace>,
+    worst: Option<Worst>,
+    growth: Growth,
+    mean_speed_m_s: f64,
+    estimate: &NoiseEstimate,
+    free: &[(Quantity, String)],
+    relations: Vec<Relation>,
 ) -> Comparison {
     let twice = |q: Quantity| scores.keys().filter(|k| k.0 == q).count() > 1;
-    let name = |(q, column): &(Quantity, String)| if twice(*q) { format!("{q} ({column})") } else { q.name().to_owned() };
-    let channels: BTreeMap<String, ChannelResult> = scores.iter().map(|(key, s)| (name(key), s.result(&key.1))).collect();
+    let name = |(q, column): &(Quantity, String)| {
+        if twice(*q) {
+            format!("{q} ({column})")
+        } else {
+            q.name().to_owned()
+        }
+    };
+    let channels: BTreeMap<String, ChannelResult> = scores
+        .iter()
+        .map(|(key, s)| (name(key), s.result(&key.1)))
+        .collect();
     let level_name = |i: usize| match i {
         0 => "roll torque".to_owned(),
         1 => "steer torque".to_owned(),
         _ => free[i - 2].1.clone(),
     };
-    let at_limit = estimate.at_limit.iter().enumerate().filter(|(_, at)| **at).map(|(i, _)| level_name(i));
+    let at_limit = estimate
+        .at_limit
+        .iter()
+        .enumerate()
+        .filter(|(_, at)| **at)
+        .map(|(i, _)| level_name(i));
     let mut comparison = Comparison {
         schema_version: 1,
         study: study.name.clone(),

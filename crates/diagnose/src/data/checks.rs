@@ -22,12 +22,21 @@ fn interval_s(samples: &[(f64, f64)]) -> f64 {
 }
 
 /// The windows of the ride, each inside the data.
-pub fn windows(spec: &RideSpec, path: &Path, channels: &[Channel]) -> Result<Vec<WindowSpec>, DataError> {
-    let edges = channels.iter().filter(|c| c.spec.role != Role::Check).filter_map(|c| {
-        let (first, last) = (c.samples.first()?, c.samples.last()?);
-        Some((first.0, last.0 + interval_s(&c.samples)))
+pub fn windows(
+    spec: &RideSpec,
+    path: &Path,
+    channels: &[Channel],
+) -> Result<Vec<WindowSpec>, DataError> {
+    let edges = channels
+        .iter()
+        .filter(|c| c.spec.role != Role::Check)
+        .filter_map(|c| {
+            let (first, last) = (c.samples.first()?, c.samples.last()?);
+            Some((first.0, last.0 + interval_s(&c.samples)))
+        });
+    let (first, last) = edges.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (x, y)| {
+        (a.min(x), b.max(y))
     });
-    let (first, last) = edges.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (x, y)| (a.min(x), b.max(y)));
     if first > last {
         return Err(DataError::File {
             path: path.to_owned(),
@@ -36,9 +45,21 @@ pub fn windows(spec: &RideSpec, path: &Path, channels: &[Channel]) -> Result<Vec
         });
     }
     let Some(windows) = &spec.windows else {
-        return Ok(vec![WindowSpec { start_s: first, end_s: last, usage: spec.usage, place: spec.place.clone() }]);
+        return Ok(vec![WindowSpec {
+            start_s: first,
+            end_s: last,
+            usage: spec.usage,
+            place: spec.place.clone(),
+        }]);
     };
-    let tolerance = 1e-6 + 1e-3 * (last - first) / channels.iter().map(|c| c.samples.len()).max().unwrap_or(1).max(1) as f64;
+    let tolerance = 1e-6
+        + 1e-3 * (last - first)
+            / channels
+                .iter()
+                .map(|c| c.samples.len())
+                .max()
+                .unwrap_or(1)
+                .max(1) as f64;
     for window in windows {
         if window.start_s < first - tolerance || window.end_s > last + tolerance {
             return Err(DataError::Value {
@@ -52,9 +73,19 @@ pub fn windows(spec: &RideSpec, path: &Path, channels: &[Channel]) -> Result<Vec
 }
 
 /// Checks each channel within the windows; drops spikes of the speed and says so.
-pub fn channels(path: &Path, channels: &mut [Channel], windows: &[WindowSpec], findings: &mut Vec<Finding>) -> Result<(), DataError> {
+pub fn channels(
+    path: &Path,
+    channels: &mut [Channel],
+    windows: &[WindowSpec],
+    findings: &mut Vec<Finding>,
+) -> Result<(), DataError> {
     for channel in channels.iter_mut() {
-        let mut tell = |text: String| findings.push(Finding { column: channel.spec.column.clone(), text });
+        let mut tell = |text: String| {
+            findings.push(Finding {
+                column: channel.spec.column.clone(),
+                text,
+            })
+        };
         if channel.missing > 0 {
             tell(format!("{} missing values, skipped", channel.missing));
         }
@@ -63,9 +94,15 @@ pub fn channels(path: &Path, channels: &mut [Channel], windows: &[WindowSpec], f
         }
         if channel.spec.quantity == Quantity::Speed && channel.spec.role == Role::Input {
             let spikes = drop_spikes(&mut channel.samples);
-            if let Some((t, jump)) = spikes.iter().copied().reduce(|p, q| if q.1.abs() > p.1.abs() { q } else { p }) {
+            if let Some((t, jump)) = spikes
+                .iter()
+                .copied()
+                .reduce(|p, q| if q.1.abs() > p.1.abs() { q } else { p })
+            {
                 let count = spikes.len();
-                tell(format!("{count} isolated samples that no bicycle can follow, left out; the largest {jump:+.2} m/s at {t:.3} s"));
+                tell(format!(
+                    "{count} isolated samples that no bicycle can follow, left out; the largest {jump:+.2} m/s at {t:.3} s"
+                ));
             }
             if let Some((t, v)) = channel.samples.iter().find(|(_, v)| v.abs() > 60.0) {
                 return Err(DataError::Value {
@@ -79,25 +116,49 @@ pub fn channels(path: &Path, channels: &mut [Channel], windows: &[WindowSpec], f
         if let Some((t, v)) = channel.samples.iter().find(|(_, v)| angle && v.abs() > 3.2) {
             return Err(DataError::Value {
                 place: channel.spec.place.clone(),
-                found: format!("{} = {v} at {t} s in {}", channel.spec.quantity, path.display()),
+                found: format!(
+                    "{} = {v} at {t} s in {}",
+                    channel.spec.quantity,
+                    path.display()
+                ),
                 accepted: "angles within pi rad (scale turns degrees into radians)".to_owned(),
             });
         }
         if let Some((t, v)) = saturated(&channel.samples) {
-            tell(format!("stands at its extreme {v} for {SATURATED} samples or more from {t:.3} s: saturated or dead?"));
+            tell(format!(
+                "stands at its extreme {v} for {SATURATED} samples or more from {t:.3} s: saturated or dead?"
+            ));
         }
         let interval = interval_s(&channel.samples);
         let longest = (GAP_INTERVALS * interval).max(SHORT_GAP_S);
         for window in windows {
-            let inside: Vec<f64> = channel.samples.iter().map(|s| s.0).filter(|t| (window.start_s..window.end_s).contains(t)).collect();
-            let edges = [window.start_s].into_iter().chain(inside.iter().copied()).chain([window.end_s]).collect::<Vec<_>>();
-            let gap = edges.windows(2).map(|p| (p[0], p[1])).find(|(a, b)| b - a > longest);
+            let inside: Vec<f64> = channel
+                .samples
+                .iter()
+                .map(|s| s.0)
+                .filter(|t| (window.start_s..window.end_s).contains(t))
+                .collect();
+            let edges = [window.start_s]
+                .into_iter()
+                .chain(inside.iter().copied())
+                .chain([window.end_s])
+                .collect::<Vec<_>>();
+            let gap = edges
+                .windows(2)
+                .map(|p| (p[0], p[1]))
+                .find(|(a, b)| b - a > longest);
             let Some((from, to)) = gap else { continue };
             if channel.spec.role == Role::Input {
                 return Err(DataError::Value {
                     place: channel.spec.place.clone(),
-                    found: format!("input {} has no value from {from:.3} to {to:.3} s in {}", channel.spec.column, path.display()),
-                    accepted: format!("gaps of an input up to {longest:.3} s; end the window before it and begin another one after it"),
+                    found: format!(
+                        "input {} has no value from {from:.3} to {to:.3} s in {}",
+                        channel.spec.column,
+                        path.display()
+                    ),
+                    accepted: format!(
+                        "gaps of an input up to {longest:.3} s; end the window before it and begin another one after it"
+                    ),
                 });
             }
             tell(format!("no value from {from:.3} to {to:.3} s"));
@@ -127,11 +188,19 @@ fn drop_spikes(samples: &mut Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 }
 
 fn saturated(samples: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let (least, most) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.1), b.max(s.1)));
+    let (least, most) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| {
+            (a.min(s.1), b.max(s.1))
+        });
     let mut run = 0;
     for (index, (_, v)) in samples.iter().enumerate() {
         let extreme = (*v == least || *v == most) && least < most;
-        run = if extreme && index > 0 && samples[index - 1].1 == *v { run + 1 } else { 0 };
+        run = if extreme && index > 0 && samples[index - 1].1 == *v {
+            run + 1
+        } else {
+            0
+        };
         if run + 1 >= SATURATED {
             return Some((samples[index + 1 - SATURATED].0, *v));
         }
@@ -146,7 +215,9 @@ mod tests {
     #[test]
     fn spikes_go_and_braking_stays() {
         // Full braking from 8 m/s at 9 m/s², 100 Hz, one sample wrong.
-        let mut samples: Vec<(f64, f64)> = (0..80).map(|k| (k as f64 * 0.01, 8.0 - 0.09 * k as f64)).collect();
+        let mut samples: Vec<(f64, f64)> = (0..80)
+            .map(|k| (k as f64 * 0.01, 8.0 - 0.09 * k as f64))
+            .collect();
         let clean = samples.clone();
         assert!(drop_spikes(&mut samples).is_empty());
         assert_eq!(samples, clean);

@@ -23,19 +23,49 @@ pub enum DataError {
          with --data DIR or ${DATA_VARIABLE}",
         looked.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
     )]
-    Missing { place: Place, file: String, looked: Vec<PathBuf> },
+    Missing {
+        place: Place,
+        file: String,
+        looked: Vec<PathBuf>,
+    },
     #[error("cannot read {}: {source}", path.display())]
-    Read { path: PathBuf, source: std::io::Error },
+    Read {
+        path: PathBuf,
+        source: std::io::Error,
+    },
     #[error("{}, line {line}, column {column}: found `{found}`; accepted: a finite number, or an empty cell or NaN where it is missing", path.display())]
-    Cell { path: PathBuf, line: u64, column: String, found: String },
+    Cell {
+        path: PathBuf,
+        line: u64,
+        column: String,
+        found: String,
+    },
     #[error("{}, line {line}: found {found}; accepted: {accepted}", path.display())]
-    Row { path: PathBuf, line: u64, found: String, accepted: String },
+    Row {
+        path: PathBuf,
+        line: u64,
+        found: String,
+        accepted: String,
+    },
     #[error("{}: found {found}; accepted: {accepted}", path.display())]
-    File { path: PathBuf, found: String, accepted: String },
+    File {
+        path: PathBuf,
+        found: String,
+        accepted: String,
+    },
     #[error("{place}: column `{column}` is not in {}; accepted: {}", path.display(), available.join(", "))]
-    Column { place: Place, path: PathBuf, column: String, available: Vec<String> },
+    Column {
+        place: Place,
+        path: PathBuf,
+        column: String,
+        available: Vec<String>,
+    },
     #[error("{place}: found {found}; accepted: {accepted}")]
-    Value { place: Place, found: String, accepted: String },
+    Value {
+        place: Place,
+        found: String,
+        accepted: String,
+    },
     #[error(transparent)]
     Log(#[from] twinhub_log::LogError),
 }
@@ -74,9 +104,23 @@ pub struct DataFolders {
 impl DataFolders {
     /// Beside the study, then `data`, then `$TWINHUB_DATA`.
     pub fn new(study: &Study, data: Option<&Path>) -> Self {
-        let beside = study.file.parent().map(|p| if p.as_os_str().is_empty() { PathBuf::from(".") } else { p.to_owned() });
-        let variable = std::env::var_os(DATA_VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from);
-        Self { folders: beside.into_iter().chain(data.map(Path::to_owned)).chain(variable).collect() }
+        let beside = study.file.parent().map(|p| {
+            if p.as_os_str().is_empty() {
+                PathBuf::from(".")
+            } else {
+                p.to_owned()
+            }
+        });
+        let variable = std::env::var_os(DATA_VARIABLE)
+            .filter(|v| !v.is_empty())
+            .map(PathBuf::from);
+        Self {
+            folders: beside
+                .into_iter()
+                .chain(data.map(Path::to_owned))
+                .chain(variable)
+                .collect(),
+        }
     }
 
     /// The path of a file of the study.
@@ -84,7 +128,11 @@ impl DataFolders {
         let looked: Vec<PathBuf> = self.folders.iter().map(|f| f.join(file)).collect();
         match looked.iter().find(|p| p.is_file()) {
             Some(path) => Ok(path.clone()),
-            None => Err(DataError::Missing { place: place.clone(), file: file.to_owned(), looked }),
+            None => Err(DataError::Missing {
+                place: place.clone(),
+                file: file.to_owned(),
+                looked,
+            }),
         }
     }
 }
@@ -98,14 +146,26 @@ pub fn read_ride(spec: &RideSpec, folders: &DataFolders) -> Result<RideData, Dat
     for (index, channel) in spec.channels.iter().enumerate() {
         let column = &table.columns[index];
         let all = column.values.iter().zip(&*column.times_s);
-        let samples: Vec<(f64, f64)> =
-            all.filter(|(v, _)| !v.is_nan()).map(|(v, t)| (*t, channel.scale * v + channel.offset)).collect();
+        let samples: Vec<(f64, f64)> = all
+            .filter(|(v, _)| !v.is_nan())
+            .map(|(v, t)| (*t, channel.scale * v + channel.offset))
+            .collect();
         let missing = column.values.len() - samples.len();
-        channels.push(Channel { spec: channel.clone(), samples, missing });
+        channels.push(Channel {
+            spec: channel.clone(),
+            samples,
+            missing,
+        });
     }
     let windows = checks::windows(spec, &path, &channels)?;
     checks::channels(&path, &mut channels, &windows, &mut findings)?;
-    Ok(RideData { spec: spec.clone(), path, channels, windows, findings })
+    Ok(RideData {
+        spec: spec.clone(),
+        path,
+        channels,
+        windows,
+        findings,
+    })
 }
 
 fn read_table(spec: &RideSpec, path: &Path) -> Result<Table, DataError> {
@@ -124,7 +184,9 @@ fn read_table(spec: &RideSpec, path: &Path) -> Result<Table, DataError> {
 impl RideData {
     /// The channel of a quantity that is used, not only looked at.
     pub fn used(&self, quantity: crate::Quantity) -> Option<&Channel> {
-        self.channels.iter().find(|c| c.spec.quantity == quantity && c.spec.role != crate::study::Role::Check)
+        self.channels
+            .iter()
+            .find(|c| c.spec.quantity == quantity && c.spec.role != crate::study::Role::Check)
     }
 
     /// Windows that may be fitted on.

@@ -21,7 +21,9 @@ pub fn from_log(spec: &RideSpec, path: &Path) -> Result<Table, DataError> {
     let log = twinhub_log::read(path)?;
     let columns = spec.channels.iter().map(|channel| {
         let available = || {
-            let all = log.tables.iter().flat_map(|(topic, t)| t.columns.iter().map(move |c| format!("{topic}:{}", c.name)));
+            let all = log.tables.iter().flat_map(|(topic, t)| {
+                t.columns.iter().map(move |c| format!("{topic}:{}", c.name))
+            });
             all.collect::<Vec<_>>()
         };
         let found = channel.column.split_once(':').and_then(|(topic, field)| {
@@ -36,8 +38,16 @@ pub fn from_log(spec: &RideSpec, path: &Path) -> Result<Table, DataError> {
                 available: available(),
             });
         };
-        let values = values.iter().map(|v| if v.is_finite() { *v } else { f64::NAN }).collect();
-        Ok(Column { times_s: Rc::new(table.times_s()), values })
+        let values = values
+            .iter()
+            .map(|v| if v.is_finite() { *v } else { f64::NAN })
+            .collect();
+        Ok(Column {
+            times_s: Rc::new(table.times_s()),
+            values,
+        })
     });
-    Ok(Table { columns: columns.collect::<Result<_, _>>()? })
+    Ok(Table {
+        columns: columns.collect::<Result<_, _>>()?,
+    })
 }

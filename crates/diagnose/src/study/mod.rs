@@ -5,6 +5,9 @@
 //! file, the line, what was found and what is accepted. The rides are read by [`crate::data`].
 
 mod check;
+mod check_channel;
+mod check_ride;
+mod overrides;
 mod raw;
 #[cfg(test)]
 mod schema_test;
@@ -170,13 +173,23 @@ pub struct ModesSpec {
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     #[error("cannot read study {}: {source}; studies that ship with twinhub: {}", path.display(), shipped::NAMES.join(", "))]
-    Read { path: PathBuf, source: std::io::Error },
+    Read {
+        path: PathBuf,
+        source: std::io::Error,
+    },
     #[error("{place}: {message}")]
     Syntax { place: Place, message: String },
     #[error("{place}: found {found}; accepted: {accepted}")]
-    Value { place: Place, found: String, accepted: String },
+    Value {
+        place: Place,
+        found: String,
+        accepted: String,
+    },
     #[error("{place}: {source}")]
-    Bicycle { place: Place, source: twinhub_linear::BicycleError },
+    Bicycle {
+        place: Place,
+        source: Box<twinhub_linear::BicycleError>,
+    },
     #[error("--set {assignment}: {message}")]
     Override { assignment: String, message: String },
 }
@@ -188,7 +201,10 @@ impl Study {
             return Self::parse(text, Path::new(&format!("{name_or_path}.toml")), overrides);
         }
         let path = Path::new(name_or_path);
-        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse(&text, path, overrides)
     }
 
@@ -199,7 +215,10 @@ impl Study {
         if overrides.is_empty() {
             return Ok(study);
         }
-        let changed = check::with_overrides(text, overrides)?;
-        check::parse(&changed, path).map_err(|error| StudyError::Override { assignment: overrides.join(" --set "), message: error.to_string() })
+        let changed = overrides::with_overrides(text, overrides)?;
+        check::parse(&changed, path).map_err(|error| StudyError::Override {
+            assignment: overrides.join(" --set "),
+            message: error.to_string(),
+        })
     }
 }
