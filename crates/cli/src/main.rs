@@ -1,8 +1,15 @@
 //! The `twinhub` command: arguments and printing only; the work is done by the crates below.
 
+mod catalogue;
+mod compare;
 mod exit;
+mod modes;
+mod processes;
+mod ride;
+mod ride_report;
+mod tyre;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Stabilizer for e-bikes with two hub motors, and the bench that it is developed on.
@@ -15,11 +22,46 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    // One line a command: `/// what it does` and `Name(module::NameArgs)`.
+    /// Ride a course twice, stabilizer off and on; logs, table and report
+    Ride(ride::RideArgs),
+    /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
+    Modes(modes::ModesArgs),
+    /// Measured rides against the model: how wrong it is, and where
+    Compare(compare::CompareArgs),
+    /// Forces and torques of a tyre
+    Tyre(tyre::TyreArgs),
+    /// Names of everything that ships
+    List(catalogue::ListArgs),
+    /// What a name means: equation, source, values
+    Explain(catalogue::ExplainArgs),
+    /// Completions for a shell
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// The plant's side of a ride; started by `ride`
+    #[command(name = processes::PLANT, hide = true)]
+    PlantProcess,
+    /// The controller's side of a ride; started by `ride`
+    #[command(name = processes::CONTROLLER, hide = true)]
+    ControllerProcess,
 }
 
 fn run(cli: Cli) -> anyhow::Result<ExitCode> {
-    match cli.command {}
+    match cli.command {
+        Command::Ride(args) => ride::run(&args),
+        Command::Modes(args) => modes::run(&args),
+        Command::Tyre(args) => tyre::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::List(args) => catalogue::list(&args),
+        Command::Explain(args) => catalogue::explain(&args),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "twinhub", &mut std::io::stdout());
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::PlantProcess => processes::plant(),
+        Command::ControllerProcess => processes::controller(),
+    }
 }
 
 fn main() -> ExitCode {

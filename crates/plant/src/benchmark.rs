@@ -111,7 +111,8 @@ impl Benchmark {
         let yaw_per_steer = self.canonical.yaw_rate_rad_s(0.0, 0.0, 1.0);
         let torque = Vector2::new(
             self.input.roll_torque_nm + force_n * self.input.lateral_force_height_m,
-            self.input.steer_torque_nm + force_n * self.input.lateral_force_x_m * yaw_per_steer,
+            self.input.steer_torque_nm
+                + (force_n * self.input.lateral_force_x_m + self.input.yaw_torque_nm) * yaw_per_steer,
         );
         let (angle, rate) = (Vector2::new(x[0], x[1]), Vector2::new(x[2], x[3]));
         let accel = self.canonical.acceleration(speed, pair, angle, rate, torque);

@@ -20,6 +20,8 @@ pub struct PlantInput {
     pub lateral_force_height_m: f64,
     /// Roll torque on the rear frame, Nm.
     pub roll_torque_nm: f64,
+    /// Yaw torque on the rear frame, Nm.
+    pub yaw_torque_nm: f64,
 }
 
 /// What is true of a plant at a tick.

@@ -1,0 +1,187 @@
+//! `twinhub list` and `twinhub explain`: what there is, and what it means.
+
+use crate::exit::bad_input;
+use anyhow::anyhow;
+use clap::Args;
+use serde_json::json;
+use std::process::ExitCode;
+use twinhub_plant::disturbance::{self, DisturbanceModel as _};
+use twinhub_plant::motor::{self, MotorDrive, MotorModel as _};
+use twinhub_plant::{sensor, tyre};
+use twinhub_sim::shipped;
+
+/// Arguments of `twinhub list`.
+#[derive(Args)]
+pub struct ListArgs {
+    /// One kind only, as printed by `twinhub list`.
+    kind: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Arguments of `twinhub explain`.
+#[derive(Args)]
+pub struct ExplainArgs {
+    /// A name that `twinhub list` prints.
+    name: String,
+}
+
+/// A name and one sentence about it.
+struct Entry {
+    name: String,
+    about: String,
+}
+
+fn entry(name: impl Into<String>, about: impl Into<String>) -> Entry {
+    Entry { name: name.into(), about: about.into() }
+}
+
+/// First line of a TOML text's `about`, or of its leading comment.
+fn about(text: &str) -> String {
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    match table.get("about").and_then(toml::Value::as_str) {
+        Some(about) => about.to_owned(),
+        None => {
+            let comment: Vec<&str> =
+                text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+            comment.join(" ")
+        }
+    }
+}
+
+fn shipped_entries(files: &[shipped::Shipped]) -> Vec<Entry> {
+    files.iter().map(|file| entry(file.name, about(file.text))).collect()
+}
+
+fn parameter_entries() -> Vec<Entry> {
+    twinhub_linear::SYMBOLS
+        .iter()
+        .map(|symbol| entry(*symbol, twinhub_linear::unit(symbol).unwrap_or("")))
+        .collect()
+}
+
+/// Every kind with its entries.
+fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
+    let pairs = |list: &[(&'static str, &'static str)]| -> Vec<Entry> {
+        list.iter().map(|(name, about)| entry(*name, *about)).collect()
+    };
+    vec![
+        ("courses", shipped_entries(shipped::COURSES)),
+        ("riders", shipped_entries(shipped::RIDERS)),
+        ("laws", shipped_entries(shipped::LAWS)),
+        (
+            "bicycles",
+            twinhub_linear::sets::NAMES
+                .iter()
+                .map(|name| {
+                    let source = twinhub_linear::Bicycle::load(name).map_or(String::new(), |b| b.source);
+                    entry(*name, source)
+                })
+                .collect(),
+        ),
+        ("parameters", parameter_entries()),
+        ("tyres", tyre::SETS.iter().map(|set| entry(set.name, set.about)).collect()),
+        ("motors", pairs(motor::sets::SETS)),
+        ("sensors", pairs(sensor::sets::SUITES)),
+        (
+            "disturbances",
+            disturbance::sets::all().iter().map(|(name, about, _)| entry(*name, *about)).collect(),
+        ),
+        ("studies", twinhub_diagnose::study::shipped::NAMES.iter().map(|name| entry(*name, "measured ride")).collect()),
+        (
+            "health",
+            twinhub_types::Health::TABLE.iter().map(|h| entry(h.code, h.cause)).collect(),
+        ),
+    ]
+}
+
+/// Prints what there is.
+///
+/// # Errors
+/// If there is no such kind.
+pub fn list(args: &ListArgs) -> anyhow::Result<ExitCode> {
+    let mut catalogue = catalogue();
+    if let Some(kind) = &args.kind {
+        let kinds: Vec<&str> = catalogue.iter().map(|(kind, _)| *kind).collect();
+        if !kinds.contains(&kind.as_str()) {
+            return Err(bad_input(anyhow!("no kind `{kind}`; there are {}", kinds.join(", "))));
+        }
+        catalogue.retain(|(k, _)| k == kind);
+    }
+    if args.json {
+        let kinds: serde_json::Map<String, serde_json::Value> = catalogue
+            .iter()
+            .map(|(kind, entries)| {
+                let entries: Vec<_> =
+                    entries.iter().map(|e| json!({ "name": e.name, "about": e.about })).collect();
+                ((*kind).to_owned(), json!(entries))
+            })
+            .collect();
+        println!("{}", serde_json::to_string_pretty(&json!({ "schema_version": 1, "kinds": kinds }))?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    for (kind, entries) in &catalogue {
+        println!("{kind}");
+        for e in entries {
+            println!("  {:<24} {}", e.name, e.about);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Everything that is known about `name`, from every registry that has it.
+fn explanations(name: &str) -> Vec<String> {
+    let mut texts = Vec::new();
+    let files = [("course", shipped::COURSES), ("rider", shipped::RIDERS), ("law", shipped::LAWS)];
+    for (kind, table) in files {
+        if let Some(file) = table.iter().find(|file| file.name == name) {
+            texts.push(format!("{kind} {name}\n\n{}", file.text.trim_end()));
+        }
+    }
+    if let Some(set) = tyre::set(name) {
+        texts.push(format!("tyre set {name}: {}\n{:#?}", set.about, set.tyre));
+    }
+    texts.extend(tyre::explain(name).map(|e| e.to_string()));
+    texts.extend(MotorDrive::examples().iter().find(|m| m.name() == name).map(|m| m.explain().to_string()));
+    texts.extend(motor::sets::named(name).map(|set| format!("motor set {name}\n{set:#?}")));
+    texts.extend(sensor::sets::named(name).map(|set| format!("sensor suite {name}\n{set:#?}")));
+    for (set, about, what) in disturbance::sets::all() {
+        if set == name || what.name() == name {
+            texts.push(format!("{set}: {about}\n{}\n{what:#?}", what.explain()));
+        }
+    }
+    if twinhub_linear::sets::NAMES.contains(&name)
+        && let Ok(bicycle) = twinhub_linear::Bicycle::load(name)
+    {
+        let mut text = format!("bicycle {name}\nSource: {}\n", bicycle.source);
+        for remark in &bicycle.remarks {
+            text += &format!("Note: {remark}\n");
+        }
+        for symbol in twinhub_linear::SYMBOLS {
+            let value = bicycle.get(symbol).unwrap_or(f64::NAN);
+            text += &format!("  {symbol:<5} {value:<14} {}\n", twinhub_linear::unit(symbol).unwrap_or(""));
+        }
+        texts.push(text);
+    }
+    if let Some(h) = twinhub_types::Health::TABLE.iter().find(|h| h.code == name) {
+        texts.push(format!(
+            "health flag {name}\nCause: {}\nThe rider is told: {}\nClears: {}",
+            h.cause, h.told, h.clears
+        ));
+    }
+    texts
+}
+
+/// Prints what `name` means.
+///
+/// # Errors
+/// If nothing has that name.
+pub fn explain(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
+    let texts = explanations(&args.name);
+    if texts.is_empty() {
+        return Err(bad_input(anyhow!("nothing is called `{}`; `twinhub list` prints every name", args.name)));
+    }
+    println!("{}", texts.join("\n\n"));
+    Ok(ExitCode::SUCCESS)
+}

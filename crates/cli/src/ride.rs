@@ -1,0 +1,163 @@
+//! `twinhub ride`: the same course twice, stabilizer off and on.
+
+use crate::exit;
+use crate::processes;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use twinhub_sim::{Ending, Outcome, Progress, Ride, RideError, Settings};
+
+/// Arguments of `twinhub ride`.
+#[derive(Args)]
+pub struct RideArgs {
+    /// A course that ships (see `twinhub list`), or a course file.
+    #[arg(default_value = "first_ride")]
+    course: String,
+    /// Change one value: `duration_s=20`, `seed=3`, `rider=FILE`, `law=off`,
+    /// `plant.benchmark.bicycle=FILE`, `rider.rider.steer_torque.delay_s=0.12`,
+    /// `law.limits.torque_max_nm=30`. May be given several times.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    assignments: Vec<String>,
+    /// Seed of everything random; the course's own if not given.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Ride without the second process; gives the same digests.
+    #[arg(long)]
+    in_process: bool,
+    /// Directory for logs and reports; each ride gets a directory of its own in it.
+    #[arg(long, default_value = "rides")]
+    out: PathBuf,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// One of the two rides, for the table and the report.
+pub struct Run {
+    /// Stabilizer on.
+    pub on: bool,
+    /// What came out.
+    pub outcome: Outcome,
+}
+
+/// Version and commit of this program.
+pub fn program() -> (String, String) {
+    (env!("CARGO_PKG_VERSION").to_owned(), option_env!("TWINHUB_GIT_HASH").unwrap_or("unknown").to_owned())
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, an environment without shared memory, a process that died.
+pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
+    let mut assignments = args.assignments.clone();
+    assignments.extend(args.seed.map(|seed| format!("seed={seed}")));
+    let ride = Ride::load(&args.course, &assignments).map_err(exit::bad_input)?;
+    let dir = new_directory(&args.out, &ride.name).map_err(exit::environment)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+
+    let mut runs = Vec::new();
+    for on in [false, true] {
+        let ride = ride.with_stabilizer(on);
+        let name = if on { "on" } else { "off" };
+        let bar = progress_bar(ride.ticks(), name);
+        let log = dir.join(format!("{name}.mcap"));
+        let outcome = if args.in_process {
+            in_process(&ride, &log, &stop, &bar)
+        } else {
+            processes::ride(&ride, &log, &stop, &bar)
+        };
+        bar.finish_and_clear();
+        let outcome = outcome?;
+        if outcome.ending == Ending::Stopped {
+            eprintln!("stopped after {:.1} s; the log is {}", outcome.metrics.ticks as f64 * 1e-3, log.display());
+            return Ok(ExitCode::from(exit::INTERRUPTED));
+        }
+        runs.push(Run { on, outcome });
+    }
+    let page = dir.join("report.html");
+    crate::ride_report::write(&page, &ride, &runs).map_err(exit::environment)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&as_json(&runs, &page))?);
+    } else {
+        print!("{}", crate::ride_report::table(&ride, &runs));
+        print!("{}", crate::ride_report::footer(&page));
+    }
+    let fell = runs.iter().any(|run| run.outcome.metrics.fell);
+    Ok(if fell { ExitCode::from(exit::FELL) } else { ExitCode::SUCCESS })
+}
+
+fn in_process(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> anyhow::Result<Outcome> {
+    let (version, git_hash) = program();
+    let settings = Settings { log: Some(log.to_owned()), version, git_hash };
+    let mut port = twinhub_link::InProcess::new(firmware_sim::in_process(&ride.law));
+    let mut watch = |p: Progress| {
+        if p.tick.is_multiple_of(500) {
+            bar.set_position(p.tick);
+        }
+        !stop.load(Ordering::Relaxed)
+    };
+    twinhub_sim::ride(ride, &settings, &mut port, &mut watch).map_err(coded)
+}
+
+/// The error with its exit code.
+pub fn coded(error: RideError) -> anyhow::Error {
+    match error {
+        RideError::Setup(e) => exit::bad_input(e),
+        RideError::Link(twinhub_link::LinkError::Interrupted) => exit::interrupted(error),
+        other => exit::environment(other),
+    }
+}
+
+/// A directory that no other ride writes to: `first_ride`, `first_ride-2`, ...
+fn new_directory(out: &Path, name: &str) -> anyhow::Result<PathBuf> {
+    let cannot = |path: &Path, e: std::io::Error| {
+        anyhow::anyhow!("{}: cannot be created: {e}; choose another place with --out DIR", path.display())
+    };
+    std::fs::create_dir_all(out).map_err(|e| cannot(out, e))?;
+    for n in 1u32.. {
+        let dir = out.join(if n == 1 { name.to_owned() } else { format!("{name}-{n}") });
+        match std::fs::create_dir(&dir) {
+            Ok(()) => return Ok(dir),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(cannot(&dir, e)),
+        }
+    }
+    anyhow::bail!("{}: too many rides called {name}", out.display())
+}
+
+fn progress_bar(ticks: u64, name: &str) -> ProgressBar {
+    let style = "stabilizer {msg:3} {bar:40} {percent:>3} %  {elapsed}";
+    let bar = ProgressBar::new(ticks).with_message(name.to_owned());
+    bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+fn as_json(runs: &[Run], page: &Path) -> serde_json::Value {
+    let runs: Vec<_> = runs
+        .iter()
+        .map(|run| {
+            let m = &run.outcome.metrics;
+            json!({
+                "stabilizer": if run.on { "on" } else { "off" },
+                "fell": m.fell,
+                "roll_rms_rad": m.roll_rms_rad,
+                "steer_rms_rad": m.steer_rms_rad,
+                "rider_effort_rms_nm": m.rider_effort_rms_nm,
+                "energy_j": m.energy_j,
+                "distance_m": m.distance_m,
+                "ticks": m.ticks,
+                "missed_ticks": m.missed_ticks,
+                "digest": run.outcome.digest,
+                "log": run.outcome.log,
+            })
+        })
+        .collect();
+    json!({ "schema_version": 1, "runs": runs, "report": page })
+}

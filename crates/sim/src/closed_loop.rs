@@ -1,0 +1,399 @@
+//! The closed loop, once a tick: sensors, controller, rider, motors, disturbances, plant.
+//!
+//! At tick k (ride time k ms) the sensors are read and the controller is asked; its torques, the
+//! rider's action and the disturbances act from k to k + 1 ms.
+
+use crate::error::{RideError, SetupError};
+use crate::metrics::{Metrics, Sums};
+use crate::record::{RiderRow, TruthRow, truth_row};
+use crate::setup::{Ride, places};
+use crate::{TICK, TICK_S};
+use std::path::PathBuf;
+use twinhub_link::{ControllerPort, LinkError};
+use twinhub_log::{Digest, Event, Level, Metadata, RideLog, ScenePose, Topic};
+use twinhub_plant::disturbance::Disturbances;
+use twinhub_plant::motor::{PowerOutput, PowerTrain};
+use twinhub_plant::rider::{Perception, Rider, RiderModel};
+use twinhub_plant::sensor::{SensorSuite, SensorTruth};
+use twinhub_plant::{PlantInput, PlantModel, Truth};
+use twinhub_types::messages::PROTOCOL_HASH;
+use twinhub_types::{
+    ControllerFrame, Header, Instant, Measurement, Output, PlantFrame, RideState, RiderIntent,
+};
+
+/// What a ride needs beside the [`Ride`] itself.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Where the log is written; `None` writes none (and there is no digest).
+    pub log: Option<PathBuf>,
+    /// Version of the program, for the log.
+    pub version: String,
+    /// Commit of the program, for the log.
+    pub git_hash: String,
+}
+
+/// How far a ride is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Ticks ridden.
+    pub tick: u64,
+    /// Ticks of the whole course.
+    pub ticks: u64,
+}
+
+/// How a ride ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The course is finished.
+    Finished,
+    /// The bicycle fell.
+    Fell,
+    /// The watcher asked to stop.
+    Stopped,
+}
+
+/// What a ride came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub ending: Ending,
+    /// Its numbers.
+    pub metrics: Metrics,
+    /// Digest of its log, 32 hex characters; empty without a log.
+    pub digest: String,
+    /// Its log.
+    pub log: Option<PathBuf>,
+}
+
+/// Ticks that the torques get to ramp out when a ride is stopped or the controller is lost: longer
+/// than the ramps of the controller (2 s) and of the drives (0.2 s).
+const RAMP_OUT_TICKS: u64 = 2_500;
+
+/// Scene pictures in the log, every so many ticks (20 Hz).
+const SCENE_EVERY: u64 = 50;
+
+/// Rides `ride` with the controller behind `port`. `watch` is called every tick and returns false
+/// to stop the ride.
+///
+/// # Errors
+/// If the ride cannot be set up, the link fails or the log cannot be written. A fall is an
+/// outcome. When the link fails, the log is finished and holds everything up to that tick.
+pub fn ride(
+    ride: &Ride,
+    settings: &Settings,
+    port: &mut impl ControllerPort,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Outcome, RideError> {
+    let mut bench = Bench::new(ride)?;
+    let mut logger = match &settings.log {
+        Some(path) => Some(Logger::create(path, ride, settings)?),
+        None => None,
+    };
+    let ticks = ride.ticks();
+    let mut sums = Sums::default();
+    let mut lost: Option<LinkError> = None;
+    let mut stop_at = ticks;
+    let mut stopped = false;
+    let mut tick = 0;
+    let ending = loop {
+        let now = Instant::from_nanos(tick * TICK.as_nanos());
+        let truth = bench.plant.truth();
+        if !truth.is_finite() {
+            return Err(RideError::NotFinite { tick });
+        }
+        if !stopped && !watch(Progress { tick, ticks }) {
+            // The rider switches off; the controller gets the time to ramp out.
+            (stopped, bench.assist_on) = (true, false);
+            stop_at = stop_at.min(tick + RAMP_OUT_TICKS);
+        }
+        let fell = truth.roll_rad.abs() > bench.plant.fall_roll_rad();
+        let quiet = stopped && bench.torque_is_zero();
+        let state = if fell {
+            RideState::Fell
+        } else if quiet || (stopped && tick >= stop_at) {
+            RideState::Stopped
+        } else if tick >= stop_at {
+            RideState::Finished
+        } else {
+            RideState::Running
+        };
+        let frame = bench.frame(now, tick, state, &truth);
+        let answer = match &lost {
+            None => match port.exchange(&frame) {
+                Ok(answer) => Some(answer),
+                Err(error) => {
+                    // The drives' own watchdogs take the torque out now.
+                    if let Some(log) = &mut logger {
+                        log.event(now, Level::Error, "link", &error.to_string())?;
+                    }
+                    lost = Some(error);
+                    stop_at = stop_at.min(tick + RAMP_OUT_TICKS);
+                    None
+                }
+            },
+            Some(_) => None,
+        };
+        if state != RideState::Running || (lost.is_some() && bench.torque_is_zero()) {
+            break state;
+        }
+        let (row, rider) = bench.step(now, &truth, answer.as_ref());
+        sums.add(&row, &rider, TICK_S);
+        if let Some(log) = &mut logger {
+            log.tick(now, tick, &row, &rider, &frame, answer.as_ref().map(|a| &a.output))?;
+        }
+        tick += 1;
+    };
+    let ending = match ending {
+        RideState::Fell => Ending::Fell,
+        RideState::Stopped => Ending::Stopped,
+        RideState::Finished | RideState::Running => Ending::Finished,
+    };
+    let metrics = sums.finish(ending == Ending::Fell, 0);
+    if let Some(log) = &mut logger
+        && ending == Ending::Fell
+    {
+        let now = Instant::from_nanos(tick * TICK.as_nanos());
+        log.event(now, Level::Error, "plant.fell", "the bicycle fell")?;
+    }
+    let summary = logger.map(|log| log.finish(&metrics)).transpose()?;
+    if let Some(error) = lost {
+        return Err(error.into());
+    }
+    let (digest, log) = summary.map_or((String::new(), None), |s| (s.digest, Some(s.path)));
+    Ok(Outcome { ending, metrics, digest, log })
+}
+
+/// Everything on the plant's side of the link.
+struct Bench<'a> {
+    ride: &'a Ride,
+    plant: Box<dyn PlantModel>,
+    rider: Rider,
+    sensors: SensorSuite,
+    disturbances: Disturbances,
+    power: PowerTrain,
+    power_out: PowerOutput,
+    assist_on: bool,
+}
+
+impl<'a> Bench<'a> {
+    fn new(ride: &'a Ride) -> Result<Self, SetupError> {
+        let bicycle = ride.bicycle()?;
+        let plant = ride.course.plant.build(&bicycle, ride.course.speed_m_s(0.0))?;
+        let rider = ride
+            .rider
+            .start(ride.course.seed, TICK_S)
+            .map_err(|source| SetupError::Rider { origin: ride.course.rider.clone(), source })?;
+        Ok(Self {
+            ride,
+            plant,
+            rider,
+            sensors: ride.course.build_sensors(ride.bicycle.parameters.rR)?,
+            disturbances: ride.course.build_disturbances(&places(&bicycle))?,
+            power: ride.course.build_motors()?,
+            power_out: PowerOutput::default(),
+            assist_on: ride.stabilizer_on,
+        })
+    }
+
+    /// What the controller is told at `now`.
+    fn frame(&mut self, now: Instant, tick: u64, state: RideState, truth: &Truth) -> PlantFrame {
+        let measurement: Measurement = self.sensors.sample(now, &SensorTruth::new(truth, &self.power_out));
+        PlantFrame {
+            header: Header {
+                protocol_hash: PROTOCOL_HASH,
+                sequence: tick,
+                tick,
+                time_ns: now.as_nanos(),
+                state: state as u32,
+                reserved: 0,
+            },
+            measurement,
+            intent: RiderIntent {
+                stamp_ns: now.as_nanos(),
+                assist_on: u32::from(self.assist_on),
+                // The pedals always turn; how hard is `pedal_nm`.
+                pedalling: 1,
+                ..RiderIntent::default()
+            },
+        }
+    }
+
+    /// True while neither drive drives its motor.
+    fn torque_is_zero(&self) -> bool {
+        self.power_out.front_reported_nm == 0.0 && self.power_out.rear_reported_nm == 0.0
+    }
+
+    /// Goes on by one tick under the controller's answer; `None` is silence.
+    fn step(&mut self, now: Instant, truth: &Truth, answer: Option<&ControllerFrame>) -> (TruthRow, RiderRow) {
+        let wanted_speed_m_s = self.ride.course.speed_m_s(now.as_secs_f64());
+        let action = self.rider.act(&perception(truth, wanted_speed_m_s), TICK_S);
+        self.power_out = self.power.step(
+            now,
+            answer.map(|a| a.output.command),
+            truth.front_wheel_rate_rad_s,
+            truth.rear_wheel_rate_rad_s,
+            TICK,
+        );
+        let side = self.disturbances.at(now.as_secs_f64());
+        let input = PlantInput {
+            front_brake_nm: self.power_out.front_brake_nm,
+            rear_traction_nm: self.power_out.rear_traction_nm,
+            steer_torque_nm: action.steer_torque_nm + side.steer_torque_nm,
+            pedal_force_n: action.pedal_force_n,
+            lateral_force_n: side.lateral_force_n,
+            lateral_force_x_m: side.point_x_m,
+            lateral_force_height_m: side.point_height_m,
+            roll_torque_nm: side.roll_torque_nm,
+            yaw_torque_nm: side.yaw_torque_nm,
+        };
+        self.plant.step(&input, TICK_S);
+        let row = TruthRow {
+            front_brake_nm: input.front_brake_nm,
+            rear_traction_nm: input.rear_traction_nm,
+            lateral_force_n: input.lateral_force_n,
+            battery_w: self.power_out.bus_v * self.power_out.bus_a,
+            ..truth_row(truth)
+        };
+        let rider = RiderRow {
+            steer_torque_nm: action.steer_torque_nm,
+            pedal_force_n: action.pedal_force_n,
+            wanted_speed_m_s,
+        };
+        (row, rider)
+    }
+}
+
+fn perception(t: &Truth, wanted_speed_m_s: f64) -> Perception {
+    Perception {
+        roll_rad: t.roll_rad,
+        roll_rate_rad_s: t.roll_rate_rad_s,
+        steer_rad: t.steer_rad,
+        steer_rate_rad_s: t.steer_rate_rad_s,
+        yaw_rad: t.yaw_rad,
+        speed_m_s: t.speed_m_s,
+        wanted_speed_m_s,
+    }
+}
+
+/// The log of a ride.
+struct Logger {
+    log: RideLog,
+    truth: Topic<TruthRow>,
+    rider: Topic<RiderRow>,
+    measurement: Topic<Measurement>,
+    intent: Topic<RiderIntent>,
+    output: Topic<Output>,
+    health: u32,
+    mode: u32,
+}
+
+impl Logger {
+    fn create(path: &std::path::Path, ride: &Ride, settings: &Settings) -> Result<Self, RideError> {
+        let config = ride.to_toml();
+        let metadata = Metadata {
+            version: settings.version.clone(),
+            git_hash: settings.git_hash.clone(),
+            config_digest: twinhub_log::digest_text(&config),
+            seed: ride.course.seed,
+            extra: [
+                ("course", ride.name.clone()),
+                ("bicycle", ride.bicycle.name.clone()),
+                ("rider", ride.course.rider.clone()),
+                ("law", ride.course.law.clone()),
+                ("stabilizer", if ride.stabilizer_on { "on" } else { "off" }.to_owned()),
+            ]
+            .map(|(key, value)| (key.to_owned(), value))
+            .into(),
+        };
+        let mut log = RideLog::create(path, &metadata, &config)?;
+        let p = &ride.bicycle.parameters;
+        log.scene_topic(twinhub_log::BicycleShape {
+            wheelbase_m: p.w,
+            steer_axis_tilt_rad: p.lam,
+            trail_m: p.c,
+            rear_radius_m: p.rR,
+            front_radius_m: p.rF,
+        })?;
+        Ok(Self {
+            truth: log.topic(twinhub_log::PLANT_TRUTH, Digest::Digested)?,
+            rider: log.topic(twinhub_log::RIDER_STATE, Digest::Digested)?,
+            measurement: log.topic(twinhub_log::SENSOR_MEASUREMENT, Digest::Digested)?,
+            intent: log.topic(twinhub_log::RIDER_INTENT, Digest::Digested)?,
+            output: log.topic(twinhub_log::CONTROL_OUTPUT, Digest::Digested)?,
+            log,
+            health: 0,
+            mode: u32::MAX,
+        })
+    }
+
+    fn tick(
+        &mut self,
+        now: Instant,
+        tick: u64,
+        truth: &TruthRow,
+        rider: &RiderRow,
+        frame: &PlantFrame,
+        output: Option<&Output>,
+    ) -> Result<(), RideError> {
+        self.log.write(self.truth, now, truth)?;
+        self.log.write(self.rider, now, rider)?;
+        self.log.write(self.measurement, now, &frame.measurement)?;
+        self.log.write(self.intent, now, &frame.intent)?;
+        if tick.is_multiple_of(SCENE_EVERY) {
+            self.log.scene(
+                now,
+                &ScenePose {
+                    x_m: truth.x_m,
+                    y_m: truth.y_m,
+                    yaw_rad: truth.yaw_rad,
+                    roll_rad: truth.roll_rad,
+                    steer_rad: truth.steer_rad,
+                    rear_turned_rad: truth.rear_wheel_rate_rad_s * now.as_secs_f64(),
+                    front_turned_rad: truth.front_wheel_rate_rad_s * now.as_secs_f64(),
+                },
+            )?;
+        }
+        match output {
+            Some(output) => {
+                self.log.write(self.output, now, output)?;
+                self.health_events(now, output)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// An event for every change of mode and every flag that rises or falls.
+    fn health_events(&mut self, now: Instant, output: &Output) -> Result<(), RideError> {
+        if output.mode != self.mode {
+            self.mode = output.mode;
+            let mode = twinhub_types::Mode::from_u32(output.mode).name();
+            self.event(now, Level::Info, "supervisor.mode", &format!("mode: {mode}"))?;
+        }
+        let changed = output.health ^ self.health;
+        if changed != 0 {
+            for entry in twinhub_types::Health::TABLE {
+                let bit = entry.flag.bits();
+                if changed & bit != 0 {
+                    let code = format!("supervisor.{}", entry.code);
+                    if output.health & bit != 0 {
+                        self.event(now, Level::Warning, &code, entry.cause)?;
+                    } else {
+                        self.event(now, Level::Info, &code, "cleared")?;
+                    }
+                }
+            }
+            self.health = output.health;
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, at: Instant, level: Level, code: &str, text: &str) -> Result<(), RideError> {
+        Ok(self.log.event(at, &Event { level, code, text })?)
+    }
+
+    fn finish(mut self, metrics: &Metrics) -> Result<twinhub_log::LogSummary, RideError> {
+        self.log.note("fell", &metrics.fell.to_string());
+        self.log.note("ticks", &metrics.ticks.to_string());
+        Ok(self.log.finish()?)
+    }
+}

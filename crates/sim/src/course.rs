@@ -1,0 +1,182 @@
+//! A course: what is ridden, on what, by whom, and what disturbs it.
+
+use crate::error::SetupError;
+use serde::{Deserialize, Serialize};
+use twinhub_linear::Bicycle;
+use twinhub_plant::PlantModel;
+use twinhub_plant::benchmark::{Benchmark, Resistance};
+use twinhub_plant::motor::{self, PowerTrain};
+use twinhub_plant::sensor::{self, SensorSuite};
+use twinhub_plant::disturbance::{Disturbance, Disturbances, Places, Timed};
+
+/// A course file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Course {
+    /// Version of the format: 1.
+    pub schema_version: u32,
+    /// One sentence.
+    pub about: String,
+    /// Length of the ride, s; above 0, at most 36,000.
+    pub duration_s: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// A rider that ships, or a rider file.
+    pub rider: String,
+    /// A law that ships, or a law file.
+    pub law: String,
+    /// Motor drives and battery: a set that ships.
+    pub motors: String,
+    /// Sensors: a suite that ships.
+    pub sensors: String,
+    /// Speed over time, straight lines between the points.
+    pub speed: Vec<SpeedPoint>,
+    /// The plant.
+    pub plant: PlantChoice,
+    /// What disturbs the ride.
+    #[serde(default)]
+    pub disturbance: Vec<Timed>,
+}
+
+/// A point of the speed that the course asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedPoint {
+    /// Time, s.
+    pub t_s: f64,
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+}
+
+/// The plants.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum PlantChoice {
+    /// Linear, no tyre slip: `twinhub_plant::benchmark`.
+    Benchmark(BenchmarkChoice),
+}
+
+/// The benchmark plant of a course.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BenchmarkChoice {
+    /// Built-in name, file, or `bicycle+rider`.
+    pub bicycle: String,
+    /// Resistance to rolling and to air.
+    pub resistance: Resistance,
+}
+
+impl PlantChoice {
+    /// The plant, upright and straight at `speed_m_s`.
+    ///
+    /// # Errors
+    /// If the bicycle's values cannot be.
+    pub fn build(&self, bicycle: &Bicycle, speed_m_s: f64) -> Result<Box<dyn PlantModel>, SetupError> {
+        match self {
+            Self::Benchmark(choice) => {
+                Ok(Box::new(Benchmark::new(bicycle, choice.resistance, speed_m_s)?))
+            }
+        }
+    }
+
+    /// The bicycle that is named.
+    pub fn bicycle(&self) -> &str {
+        match self {
+            Self::Benchmark(choice) => &choice.bicycle,
+        }
+    }
+}
+
+impl Course {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// The first number that is out of range, with its key.
+    pub fn check(&self, origin: &str) -> Result<(), SetupError> {
+        let bad = |key: String, found: String, accepted| {
+            Err(SetupError::OutOfRange { origin: origin.into(), key, found, accepted })
+        };
+        if self.schema_version != 1 {
+            return bad("schema_version".into(), self.schema_version.to_string(), "1");
+        }
+        if !(self.duration_s > 0.0 && self.duration_s <= 36_000.0) {
+            return bad("duration_s".into(), self.duration_s.to_string(), "above 0, at most 36000 s");
+        }
+        if self.speed.is_empty() {
+            return bad("speed".into(), "empty".into(), "at least one point");
+        }
+        for (i, point) in self.speed.iter().enumerate() {
+            if !(point.speed_m_s >= 0.3 && point.speed_m_s <= 20.0) {
+                return bad(format!("speed.{i}.speed_m_s"), point.speed_m_s.to_string(), "0.3 to 20 m/s");
+            }
+            let before = if i == 0 { f64::NEG_INFINITY } else { self.speed[i - 1].t_s };
+            if !(point.t_s > before && point.t_s.is_finite()) {
+                return bad(format!("speed.{i}.t_s"), point.t_s.to_string(), "finite, later than the point before");
+            }
+        }
+        let Resistance { rolling_ratio, drag_area_m2, air_density_kg_m3 } = match &self.plant {
+            PlantChoice::Benchmark(choice) => choice.resistance,
+        };
+        for (key, value, most, accepted) in [
+            ("rolling_ratio", rolling_ratio, 0.2, "0 to 0.2"),
+            ("drag_area_m2", drag_area_m2, 5.0, "0 to 5 m²"),
+            ("air_density_kg_m3", air_density_kg_m3, 2.0, "0 to 2 kg/m³"),
+        ] {
+            if !(value >= 0.0 && value <= most) {
+                return bad(format!("plant.benchmark.resistance.{key}"), value.to_string(), accepted);
+            }
+        }
+        Ok(())
+    }
+
+    /// What disturbs the ride on a bicycle with these places.
+    ///
+    /// # Errors
+    /// If a number is out of range, or the plant cannot take such a disturbance.
+    pub fn build_disturbances(&self, places: &Places) -> Result<Disturbances, SetupError> {
+        let bad = |detail: String| SetupError::Format { origin: "course".into(), detail };
+        let rig = |t: &Timed| matches!(t.what, Disturbance::RigMultisine(_));
+        if matches!(self.plant, PlantChoice::Benchmark(_)) && self.disturbance.iter().any(rig) {
+            return Err(bad("`rig_multisine` moves the road under the rear wheel, which the benchmark plant \
+                 does not have; use `multisine_force`".into()));
+        }
+        Disturbances::new(&self.disturbance, places, self.seed).map_err(|e| bad(e.to_string()))
+    }
+
+    /// The sensors of the bicycle with rear wheels of `rear_radius_m`.
+    ///
+    /// # Errors
+    /// If no suite has that name.
+    pub fn build_sensors(&self, rear_radius_m: f64) -> Result<SensorSuite, SetupError> {
+        let suite = sensor::sets::named(&self.sensors).ok_or_else(|| unknown("sensor suite", &self.sensors, sensor::sets::SUITES))?;
+        SensorSuite::new(&suite.with_rear_radius_m(rear_radius_m), self.seed)
+            .map_err(|e| SetupError::Format { origin: format!("sensor suite `{}`", self.sensors), detail: e.to_string() })
+    }
+
+    /// Motor drives and battery.
+    ///
+    /// # Errors
+    /// If no set has that name.
+    pub fn build_motors(&self) -> Result<PowerTrain, SetupError> {
+        let set = motor::sets::named(&self.motors).ok_or_else(|| unknown("motor set", &self.motors, motor::sets::SETS))?;
+        PowerTrain::new(&set)
+            .map_err(|e| SetupError::Format { origin: format!("motor set `{}`", self.motors), detail: e.to_string() })
+    }
+
+    /// The speed that the course asks for at `t_s`, m/s.
+    pub fn speed_m_s(&self, t_s: f64) -> f64 {
+        let last = self.speed.len() - 1;
+        match self.speed.iter().position(|p| p.t_s > t_s) {
+            None => self.speed[last].speed_m_s,
+            Some(0) => self.speed[0].speed_m_s,
+            Some(i) => {
+                let (a, b) = (self.speed[i - 1], self.speed[i]);
+                a.speed_m_s + (t_s - a.t_s) / (b.t_s - a.t_s) * (b.speed_m_s - a.speed_m_s)
+            }
+        }
+    }
+}
+
+fn unknown(kind: &'static str, found: &str, sets: &[(&'static str, &str)]) -> SetupError {
+    SetupError::NotFound { kind, found: found.into(), shipped: sets.iter().map(|(name, _)| *name).collect() }
+}
