@@ -215,6 +215,7 @@ fn halls() -> WheelHallParameters {
     WheelHallParameters {
         edges_per_turn: 138,
         edge_placement_sd_rad: 0.1 * DEGREE,
+        edges_averaged: 6,
         timer_s: 1e-6,
         standstill_s: 0.3,
         rear_radius_m: 0.35,

@@ -213,6 +213,7 @@ fn hall(edges: u32, placement: f64, rate: impl Fn(u64) -> f64, ticks: u64) -> Ve
     let halls = WheelHallParameters {
         edges_per_turn: edges,
         edge_placement_sd_rad: placement,
+        edges_averaged: 1,
         timer_s: 1e-6,
         standstill_s: 0.3,
         rear_radius_m: 0.35,

@@ -1,7 +1,8 @@
 //! Wheel-speed sensors: pulses, and speed from the time between them.
 //!
 //! What: `edges_per_turn` edges on each wheel (hall signals of a hub motor: six per pole pair),
-//! not quite evenly placed. Equation: rate = k s/(t_n - t_{n-k}) with s = 2π/edges; while the next
+//! not quite evenly placed. Equation: rate = k s/(t_n - t_{n-k}) with s = 2π/edges and k at
+//! least `edges_averaged`; while the next
 //! edge is overdue, the rate is at most s/(t - t_n), and that is reported; after `standstill_s` it
 //! is zero. Stamp: the time of the newest edge, or now while an edge is overdue; the older of the
 //! two wheels. Speed: rear rate times the radius that the bicycle's computer believes. Source:
@@ -24,6 +25,9 @@ pub struct WheelHallParameters {
     pub edges_per_turn: u32,
     /// Standard deviation of the place of an edge, rad.
     pub edge_placement_sd_rad: f64,
+    /// Edges over which a rate is averaged, 1 to 64; six make one electrical period of a hub motor,
+    /// over which the uneven places of its edges average out.
+    pub edges_averaged: u32,
     /// Resolution of the timer, s.
     pub timer_s: f64,
     /// Without an edge for so long, the wheel counts as standing, s.
@@ -58,6 +62,11 @@ struct Wheel {
     behind: i64,
     last: Option<(Instant, f64)>,
     newest: Option<Edge>,
+    /// Edges counted since the last reversal, and when: the last few, in a ring.
+    counted: u64,
+    ring: Vec<(u64, u64)>,
+    ring_next: usize,
+    averaged: u64,
     speed_rad_s: f64,
 }
 
@@ -89,8 +98,38 @@ impl Wheel {
             behind: 0,
             last: None,
             newest: None,
+            counted: 0,
+            ring: vec![(0, 0); parameters.edges_averaged as usize + 1],
+            ring_next: 0,
+            averaged: u64::from(parameters.edges_averaged),
             speed_rad_s: 0.0,
         }
+    }
+
+    /// Notes that `passed` edges went by, the newest at `at_ns`, and gives the edges and the time
+    /// over which the rate is averaged.
+    fn count(&mut self, passed: u32, at_ns: u64) -> Option<(u64, u64)> {
+        self.counted += u64::from(passed);
+        // The youngest entry that lies at least as many edges back as are averaged, or the oldest.
+        let back = |(count, _): &&(u64, u64)| *count > 0 && self.counted - count >= self.averaged;
+        let known = |(count, _): &&(u64, u64)| *count > 0;
+        let from = self
+            .ring
+            .iter()
+            .filter(back)
+            .max_by_key(|(count, _)| *count)
+            .or_else(|| self.ring.iter().filter(known).min_by_key(|(count, _)| *count))
+            .copied();
+        let slot = self.ring_next;
+        self.ring[slot] = (self.counted, at_ns);
+        self.ring_next = (slot + 1) % self.ring.len();
+        from.map(|(count, then_ns)| (self.counted - count, at_ns.saturating_sub(then_ns)))
+    }
+
+    /// Forgets the edges counted so far: the wheel has turned round.
+    fn forget(&mut self) {
+        self.counted = 0;
+        self.ring.fill((0, 0));
     }
 
     /// Angle of edge `n`, rad.
@@ -145,17 +184,15 @@ impl Wheel {
         if passed == 0 {
             return;
         }
-        if let Some(previous) = self.newest {
-            let apart_ns = newest_ns.saturating_sub(previous.at_ns).max(timer_ns);
-            let turned_rad = f64::from(passed) * self.spacing_rad;
-            // the first edge after a reversal is the one that went by last: no distance at all
-            let turned_rad = if previous.forward == forward {
-                turned_rad
-            } else {
-                turned_rad - self.spacing_rad
-            };
+        // The first edge after a reversal is the one that went by last: it starts the count anew.
+        if self.newest.is_some_and(|previous| previous.forward != forward) {
+            self.forget();
+            self.speed_rad_s = 0.0;
+        }
+        if let Some((edges, apart_ns)) = self.count(passed, newest_ns) {
             let sign = if forward { 1.0 } else { -1.0 };
-            self.speed_rad_s = sign * turned_rad / (apart_ns as f64 * 1e-9);
+            let apart_s = apart_ns.max(timer_ns) as f64 * 1e-9;
+            self.speed_rad_s = sign * edges as f64 * self.spacing_rad / apart_s;
         }
         self.newest = Some(Edge {
             at_ns: newest_ns,
@@ -212,6 +249,7 @@ impl SensorKind for WheelHallParameters {
             0.0,
             1.0,
         )?;
+        within("edges_averaged", f64::from(self.edges_averaged), 1.0, 64.0)?;
         within("timer_s", self.timer_s, 1e-9, 0.01)?;
         within("standstill_s", self.standstill_s, 0.01, 10.0)?;
         within("rear_radius_m", self.rear_radius_m, 0.05, 1.0)?;
