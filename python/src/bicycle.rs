@@ -38,5 +38,7 @@ pub fn parameters<'py>(
 
 /// The bicycle with the assignments (`SYMBOL=NUMBER`) applied.
 pub fn load(bicycle: &str, assignments: &[String]) -> PyResult<Bicycle> {
-    Bicycle::load(bicycle).and_then(|b| b.with(assignments)).map_err(errors::input)
+    Bicycle::load(bicycle)
+        .and_then(|b| b.with(assignments))
+        .map_err(errors::input)
 }

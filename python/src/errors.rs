@@ -23,9 +23,10 @@ pub fn log(error: &twinhub_log::LogError) -> PyErr {
 pub fn setup(error: twinhub_sim::SetupError) -> PyErr {
     match error {
         // Its message names the flag of the command line.
-        twinhub_sim::SetupError::Override { assignment, detail } => {
-            input(format!("set {}: {detail}", assignment.replace(" --set ", ", ")))
-        }
+        twinhub_sim::SetupError::Override { assignment, detail } => input(format!(
+            "set {}: {detail}",
+            assignment.replace(" --set ", ", ")
+        )),
         other => input(other),
     }
 }

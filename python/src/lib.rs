@@ -9,7 +9,6 @@ mod log;
 mod modes;
 mod ride;
 
-
 /// Compiled part of `twinhub`.
 #[pyo3::pymodule]
 mod _twinhub {

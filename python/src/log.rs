@@ -10,7 +10,9 @@ use twinhub_log::{LogFile, Table};
 /// Reads the log `path`.
 #[pyfunction]
 pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let log = py.detach(|| twinhub_log::read(&path)).map_err(|e| errors::log(&e))?;
+    let log = py
+        .detach(|| twinhub_log::read(&path))
+        .map_err(|e| errors::log(&e))?;
     to_python(py, log)
 }
 
@@ -25,8 +27,10 @@ pub fn to_python(py: Python<'_>, log: LogFile) -> PyResult<Bound<'_, PyDict>> {
     }
     let texts = PyDict::new(py);
     for (topic, records) in log.texts {
-        let records: Vec<_> =
-            records.into_iter().map(|r| (r.publish_time_ns as f64 * 1e-9, r.text)).collect();
+        let records: Vec<_> = records
+            .into_iter()
+            .map(|r| (r.publish_time_ns as f64 * 1e-9, r.text))
+            .collect();
         texts.set_item(topic, records)?;
     }
     let attachments = PyDict::new(py);
@@ -54,7 +58,11 @@ fn columns(py: Python<'_>, table: Table) -> PyResult<Bound<'_, PyDict>> {
     let columns = PyDict::new(py);
     columns.set_item("t_s", table.times_s().into_pyarray(py))?;
     for column in table.columns {
-        let name = if column.name == "t_s" { "message.t_s" } else { &column.name };
+        let name = if column.name == "t_s" {
+            "message.t_s"
+        } else {
+            &column.name
+        };
         columns.set_item(name, column.values.into_pyarray(py))?;
     }
     Ok(columns)

@@ -24,6 +24,17 @@ pub fn modes<'py>(
 
     let all = || modes.points.iter().flat_map(|point| &point.modes);
     let values: Vec<_> = all().map(|mode| mode.pair.value).collect();
+    if let Some(i) = values
+        .iter()
+        .position(|s| !(s.re.is_finite() && s.im.is_finite()))
+    {
+        let speed_m_s = modes.points[i / 4].speed_m_s;
+        return Err(errors::input(format!(
+            "the modes of `{}` are not finite at {speed_m_s} m/s with {} Nm front and {} Nm rear; \
+             accepted: torques and parameters of a bicycle",
+            bicycle.name, pair.front_brake_nm, pair.rear_traction_nm
+        )));
+    }
     let names: Vec<_> = all().map(|mode| mode.name.as_str()).collect();
     let ranges: Vec<f64> = modes.stable_ranges_m_s.iter().flatten().copied().collect();
     let crossings: Vec<_> = modes
@@ -39,9 +50,17 @@ pub fn modes<'py>(
         .collect();
 
     let answer = PyDict::new(py);
-    answer.set_item("eigenvalues", values.into_pyarray(py).reshape([speeds.len(), 4])?)?;
+    answer.set_item(
+        "eigenvalues",
+        values.into_pyarray(py).reshape([speeds.len(), 4])?,
+    )?;
     answer.set_item("names", names)?;
-    answer.set_item("stable_ranges_m_s", ranges.into_pyarray(py).reshape([modes.stable_ranges_m_s.len(), 2])?)?;
+    answer.set_item(
+        "stable_ranges_m_s",
+        ranges
+            .into_pyarray(py)
+            .reshape([modes.stable_ranges_m_s.len(), 2])?,
+    )?;
     answer.set_item("speed_m_s", speeds.into_pyarray(py))?;
     answer.set_item("weave_speed_m_s", modes.weave_speed_m_s())?;
     answer.set_item("capsize_speed_m_s", modes.capsize_speed_m_s())?;
@@ -50,7 +69,10 @@ pub fn modes<'py>(
     answer.set_item("crossings", crossings)?;
     answer.set_item("front_brake_nm", pair.front_brake_nm)?;
     answer.set_item("rear_traction_nm", pair.rear_traction_nm)?;
-    answer.set_item("longitudinal_accel_m_s2", equations.longitudinal_accel_m_s2(pair))?;
+    answer.set_item(
+        "longitudinal_accel_m_s2",
+        equations.longitudinal_accel_m_s2(pair),
+    )?;
     answer.set_item("bicycle", bicycle.name)?;
     answer.set_item("source", bicycle.source)?;
     answer.set_item("remarks", bicycle.remarks)?;

@@ -29,11 +29,16 @@ pub fn ride(
     assignments: Vec<String>,
     log: Option<PathBuf>,
 ) -> PyResult<Py<PyDict>> {
-    let ride = Ride::load(course, &assignments).map_err(errors::setup)?.with_stabilizer(stabilizer);
+    let ride = Ride::load(course, &assignments)
+        .map_err(errors::setup)?
+        .with_stabilizer(stabilizer);
     let (path, directory) = match log {
         Some(path) => (path, None),
         None => {
-            let directory = tempfile::Builder::new().prefix("twinhub-").tempdir().map_err(no_directory)?;
+            let directory = tempfile::Builder::new()
+                .prefix("twinhub-")
+                .tempdir()
+                .map_err(no_directory)?;
             (directory.path().join("ride.mcap"), Some(directory))
         }
     };
@@ -86,7 +91,9 @@ fn ride_and_read(ride: &Ride, path: &Path) -> Result<(Outcome, LogFile), Failure
     let settings = Settings {
         log: Some(path.to_owned()),
         version: VERSION.to_owned(),
-        git_hash: option_env!("TWINHUB_GIT_HASH").unwrap_or("unknown").to_owned(),
+        git_hash: option_env!("TWINHUB_GIT_HASH")
+            .unwrap_or("unknown")
+            .to_owned(),
     };
     let mut port = InProcess::new(twinhub_sim::in_process(&ride.law));
     let mut signal = None;

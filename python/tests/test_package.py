@@ -68,4 +68,4 @@ def test_errors_are_one_tree():
 
 def test_types_are_shipped():
     files = {file.name for file in importlib.resources.files(twinhub).iterdir()}
-    assert {"py.typed", "_twinhub.pyi"} <= files
+    assert {"py.typed", "_twinhub.pyi", "_twinhub.abi3.so"} <= files

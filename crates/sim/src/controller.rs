@@ -11,7 +11,10 @@ pub fn in_process(config: &Config) -> impl FnMut(&PlantFrame) -> ControllerFrame
     move |frame| {
         let now = Instant::from_nanos(frame.header.time_ns);
         let output = controller.step(now, &frame.measurement, &frame.intent);
-        let header = Header { protocol_hash: PROTOCOL_HASH, ..frame.header };
+        let header = Header {
+            protocol_hash: PROTOCOL_HASH,
+            ..frame.header
+        };
         ControllerFrame { header, output }
     }
 }

@@ -50,19 +50,28 @@ def seed_text(value: int) -> str:
     raise InputError(f"seed={value!r}: accepted: an integer from 0 to 2**63 - 1")
 
 
+#: Most speeds in one request, as on the command line.
+_MOST_SPEEDS = 100_000
+#: Above any bicycle; beyond it, following the modes from speed to speed would have to be coarse.
+_MOST_SPEED_M_S = 1000.0
+
+
 def speeds(values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Speeds as a contiguous array, shape (n,), n from 1 up, finite and not negative."""
-    accepted = "accepted: a one-dimensional array of finite speeds in m/s, 0 or more, at least one"
+    """Speeds as a contiguous array, shape (n,), every one of them finite and in range."""
+    accepted = (
+        f"accepted: a one-dimensional array of 1 to {_MOST_SPEEDS} finite speeds, "
+        f"0 to {_MOST_SPEED_M_S:g} m/s"
+    )
     try:
         found = np.asarray(values)
     except ValueError as error:
         raise InputError(f"speeds_m_s: {error}; {accepted}") from None
     if found.dtype.kind not in "iuf":
         raise InputError(f"speeds_m_s has the dtype {found.dtype}; {accepted}")
-    if found.ndim != 1 or found.size == 0:
+    if found.ndim != 1 or not 1 <= found.size <= _MOST_SPEEDS:
         raise InputError(f"speeds_m_s has the shape {found.shape}; {accepted}")
     array = np.ascontiguousarray(found, dtype=np.float64)
-    wrong = np.flatnonzero(~(np.isfinite(array) & (array >= 0.0)))
+    wrong = np.flatnonzero(~((array >= 0.0) & (array <= _MOST_SPEED_M_S)))
     if wrong.size:
         raise InputError(f"speeds_m_s[{wrong[0]}] is {array[wrong[0]]}; {accepted}")
     return array

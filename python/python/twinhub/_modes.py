@@ -1,7 +1,7 @@
 """Modes of the benchmark bicycle over speed."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -9,9 +9,6 @@ import numpy.typing as npt
 from . import _twinhub
 from ._arguments import Assignments, NameOrPath, assignments, finite, name_or_path, speeds
 from .errors import UnknownNameError
-
-#: How a mode fares over the range of speeds.
-Verdict: TypeAlias = Literal["crosses", "always_stable", "always_unstable"]
 
 
 @dataclass(frozen=True)
@@ -83,8 +80,8 @@ class Modes:
     names: npt.NDArray[np.str_]
     weave_speed_m_s: float | None
     capsize_speed_m_s: float | None
-    weave: Verdict
-    capsize: Verdict
+    weave: Literal["crosses", "always_stable", "always_unstable"]
+    capsize: Literal["crosses", "always_stable", "always_unstable"]
     stable_ranges_m_s: npt.NDArray[np.float64]
     crossings: tuple[Crossing, ...]
 
@@ -141,7 +138,8 @@ def modes(
         Torque of the front motor, Nm, positive brakes; the rear motor balances it, so that the
         speed stays.
     speeds_m_s : array_like, shape (n,), optional
-        Speeds, m/s, 0 or more, in any order; 0 to 10 m/s in steps of 0.5 m/s if not given.
+        Speeds, 0 to 1000 m/s, in any order, at most 100,000; 0 to 10 m/s in steps of 0.5 m/s if
+        not given.
         Crossings and ranges are looked for between the least and the greatest of them.
     rear_torque_nm : float, optional
         Torque of the rear motor, Nm, positive drives, instead of the balancing one.

@@ -3,6 +3,17 @@ from typing import Final, Literal, TypedDict, type_check_only
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "__version__",
+    "bicycles",
+    "courses",
+    "modes",
+    "parameter_units",
+    "parameters",
+    "read_log",
+    "ride",
+]
+
 __version__: Final[str]
 
 _Verdict = Literal["crosses", "always_stable", "always_unstable"]
