@@ -81,9 +81,13 @@ fn table(found: &Comparison, report: Option<&Path>) -> String {
     let mut text = format!("{}\n\n", found.study);
     let horizons: Vec<&String> = found.channels.values().next().map_or(vec![], |c| c.horizons.keys().collect());
     let width = found.channels.keys().map(String::len).max().unwrap_or(0).max(8);
-    let _ = write!(text, "{:width$}", "channel");
+    let _ = write!(text, "{:width$}", "");
     for horizon in &horizons {
-        let _ = write!(text, "   VAF {:<5} RMSE  held", format!("{horizon} s"));
+        let _ = write!(text, "{:>26}", format!("{horizon} s ahead"));
+    }
+    let _ = write!(text, "\n{:width$}", "channel");
+    for _ in &horizons {
+        let _ = write!(text, " {:>8} {:>8} {:>7}", "VAF", "RMSE", "held");
     }
     text.push('\n');
     for (name, channel) in &found.channels {
@@ -93,7 +97,7 @@ fn table(found: &Comparison, report: Option<&Path>) -> String {
             let number = |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
             let (vaf, rmse) = (number(cell.and_then(|c| c.vaf), 2), number(cell.map(|c| c.rmse), 4));
             let held = number(cell.and_then(|c| c.held_rmse), 4);
-            let _ = write!(text, " {vaf:>7} {rmse:>8} {held:>7}");
+            let _ = write!(text, " {vaf:>8} {rmse:>8} {held:>7}");
         }
         text.push('\n');
     }

@@ -407,6 +407,13 @@ fn overrides() {
         read("ride.0.use=held_out").unwrap().rides[0].usage,
         twinhub_diagnose::study::Use::HeldOut
     );
+    assert_eq!(
+        read("bicycle.values.mB=80").unwrap().rides[0].channels[2]
+            .place
+            .line,
+        23,
+        "a change of the study must not move the places that errors name"
+    );
     for (set, part) in [
         ("bicycle.values.mB=-1", "mB"),
         ("ride.3.use=fit", "0 to 0"),
@@ -414,6 +421,7 @@ fn overrides() {
         ("wind=1", "wind"),
     ] {
         let message = read(set).unwrap_err();
+        assert!(!message.contains("line"), "{message}");
         assert!(
             message.starts_with(&format!("--set {set}: ")) && message.contains(part),
             "{set}: {message}"

@@ -216,9 +216,41 @@ impl Study {
             return Ok(study);
         }
         let changed = overrides::with_overrides(text, overrides)?;
-        check::parse(&changed, path).map_err(|error| StudyError::Override {
+        let mut changed = check::parse(&changed, path).map_err(|error| StudyError::Override {
             assignment: overrides.join(" --set "),
-            message: error.to_string(),
-        })
+            message: error.without_place(),
+        })?;
+        changed.take_places(&study);
+        Ok(changed)
+    }
+
+    /// Overrides move lines; the places are those of the file.
+    fn take_places(&mut self, file: &Self) {
+        for (ride, old) in self.rides.iter_mut().zip(&file.rides) {
+            ride.place = old.place.clone();
+            for (channel, old) in ride.channels.iter_mut().zip(&old.channels) {
+                channel.place = old.place.clone();
+            }
+            let windows = ride.windows.iter_mut().flatten();
+            for (window, old) in windows.zip(old.windows.iter().flatten()) {
+                window.place = old.place.clone();
+            }
+        }
+    }
+}
+
+impl StudyError {
+    /// The message without file and line.
+    fn without_place(&self) -> String {
+        let text = self.to_string();
+        match self {
+            Self::Syntax { place, .. }
+            | Self::Value { place, .. }
+            | Self::Bicycle { place, .. } => {
+                let prefix = format!("{place}: ");
+                text.strip_prefix(&prefix).unwrap_or(&text).to_owned()
+            }
+            _ => text,
+        }
     }
 }
