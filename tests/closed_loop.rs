@@ -20,7 +20,7 @@ fn ride_with(ride: &Ride, log: &Path, port: &mut impl ControllerPort) -> Result<
 }
 
 fn ride(ride: &Ride, log: &Path) -> (Outcome, LogFile) {
-    let mut port = InProcess::new(firmware_sim::in_process(&ride.law));
+    let mut port = InProcess::new(twinhub_sim::in_process(&ride.law));
     let outcome = ride_with(ride, log, &mut port).expect("rides");
     (outcome, twinhub_log::read(log).expect("reads back"))
 }
@@ -112,7 +112,7 @@ fn when_the_controller_dies_the_drives_ramp_to_zero_within_200_ms_and_the_log_op
     let dir = tempfile::tempdir().expect("temporary directory");
     let course = load(&["duration_s=20"]);
     let log = dir.path().join("log");
-    let mut port = Dies { at: 10_000, port: InProcess::new(firmware_sim::in_process(&course.law)) };
+    let mut port = Dies { at: 10_000, port: InProcess::new(twinhub_sim::in_process(&course.law)) };
     let error = ride_with(&course, &log, &mut port).expect_err("the link is lost");
     assert!(error.to_string().contains("died at tick 10000"), "{error}");
     let log = twinhub_log::read(&log).expect("opens");
@@ -129,7 +129,7 @@ fn a_ride_that_is_stopped_ramps_out_first() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let course = load(&["duration_s=20"]);
     let path = dir.path().join("log");
-    let mut port = InProcess::new(firmware_sim::in_process(&course.law));
+    let mut port = InProcess::new(twinhub_sim::in_process(&course.law));
     let mut watch = |p: twinhub_sim::Progress| p.tick < 10_000;
     let outcome = twinhub_sim::ride(&course, &settings(Some(&path)), &mut port, &mut watch).expect("stops");
     assert_eq!(outcome.ending, Ending::Stopped);

@@ -1,8 +1,7 @@
 //! The controller process: the control crate in a fixed-step loop behind the link.
 //!
-//! [`Firmware::tick`] is all that happens in a tick, and it is the same code whether the plant
-//! calls it in its own process ([`in_process`]) or sends its frames over shared memory ([`run`]):
-//! both give the same bits. This crate never sees the plant.
+//! [`Firmware::tick`] is all that happens in a tick: [`twinhub_control::Controller::answer`], which a
+//! plant may also call in its own process, with the same bits. This crate never sees the plant.
 
 mod law_file;
 mod run;
@@ -13,8 +12,7 @@ pub use run::{Options, run};
 pub use summary::{Ended, Quantiles, Summary};
 
 use twinhub_control::{Config, Controller};
-use twinhub_types::messages::PROTOCOL_HASH;
-use twinhub_types::{ControllerFrame, Header, Instant, Output, PlantFrame};
+use twinhub_types::{ControllerFrame, Instant, Output, PlantFrame};
 
 /// The controller with the last frame that it was given.
 pub struct Firmware {
@@ -36,16 +34,9 @@ impl Firmware {
     /// One tick: the answer to the plant's `frame`.
     #[inline]
     pub fn tick(&mut self, frame: &PlantFrame) -> ControllerFrame {
-        let now = Instant::from_nanos(frame.header.time_ns);
-        self.output = self.controller.step(now, &frame.measurement, &frame.intent);
-        self.last = *frame;
-        ControllerFrame {
-            header: Header {
-                protocol_hash: PROTOCOL_HASH,
-                ..frame.header
-            },
-            output: self.output,
-        }
+        let answer = self.controller.answer(frame);
+        (self.last, self.output) = (*frame, answer.output);
+        answer
     }
 
     /// One tick without a frame: the clock goes on, the samples of the last frame grow older.
@@ -63,10 +54,4 @@ impl Firmware {
     pub fn output(&self) -> &Output {
         &self.output
     }
-}
-
-/// The controller for a plant in the same process.
-pub fn in_process(config: &Config) -> impl FnMut(&PlantFrame) -> ControllerFrame + use<> {
-    let mut firmware = Firmware::new(config);
-    move |frame| firmware.tick(frame)
 }

@@ -108,7 +108,10 @@ fn bits(frames: &[ControllerFrame]) -> Vec<Vec<u8>> {
 fn two_processes_answer_with_the_same_bits_as_one() {
     let config = firmware_sim::read_law(&law()).expect("a law");
     let alone = ride(
-        &mut InProcess::new(firmware_sim::in_process(&config)),
+        &mut InProcess::new({
+            let mut controller = twinhub_control::Controller::new(&config);
+            move |frame: &PlantFrame| controller.answer(frame)
+        }),
         4000,
         RideState::Fell,
     );

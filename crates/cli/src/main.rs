@@ -47,7 +47,17 @@ enum Command {
     ControllerProcess,
 }
 
+/// Lets the reader of our output hang up (`twinhub list | head`) without a panic.
+fn end_quietly_on_a_closed_pipe() {
+    // SAFETY: no other thread runs yet, and the default action is always valid.
+    unsafe { libc::signal(libc::SIGPIPE, libc::SIG_DFL) };
+}
+
 fn run(cli: Cli) -> anyhow::Result<ExitCode> {
+    // A ride writes to its own children, whose death it has to survive.
+    if !matches!(cli.command, Command::Ride(_) | Command::PlantProcess | Command::ControllerProcess) {
+        end_quietly_on_a_closed_pipe();
+    }
     match cli.command {
         Command::Ride(args) => ride::run(&args),
         Command::Modes(args) => modes::run(&args),

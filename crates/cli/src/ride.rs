@@ -46,7 +46,7 @@ pub struct Run {
 
 /// Version and commit of this program.
 pub fn program() -> (String, String) {
-    (env!("CARGO_PKG_VERSION").to_owned(), option_env!("TWINHUB_GIT_HASH").unwrap_or("unknown").to_owned())
+    (env!("CARGO_PKG_VERSION").to_owned(), env!("TWINHUB_GIT_HASH").to_owned())
 }
 
 /// Runs the command.
@@ -96,7 +96,7 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
 fn in_process(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> anyhow::Result<Outcome> {
     let (version, git_hash) = program();
     let settings = Settings { log: Some(log.to_owned()), version, git_hash };
-    let mut port = twinhub_link::InProcess::new(firmware_sim::in_process(&ride.law));
+    let mut port = twinhub_link::InProcess::new(twinhub_sim::in_process(&ride.law));
     let mut watch = |p: Progress| {
         if p.tick.is_multiple_of(500) {
             bar.set_position(p.tick);

@@ -1,6 +1,9 @@
 //! The tick.
 
-use twinhub_types::{Instant, Measurement, Output, RiderIntent};
+use twinhub_types::messages::PROTOCOL_HASH;
+use twinhub_types::{
+    ControllerFrame, Header, Instant, Measurement, Output, PlantFrame, RiderIntent,
+};
 
 use crate::allocation::{Allocation, Envelope};
 use crate::clock::Clock;
@@ -65,6 +68,15 @@ impl Controller {
             health: self.supervisor.health().bits(),
             limited_by: self.guard.limited_by().bits(),
             estimate: x,
+        }
+    }
+
+    /// One tick as the link has it: the answer to the plant's `frame`.
+    pub fn answer(&mut self, frame: &PlantFrame) -> ControllerFrame {
+        let now = Instant::from_nanos(frame.header.time_ns);
+        ControllerFrame {
+            header: Header { protocol_hash: PROTOCOL_HASH, ..frame.header },
+            output: self.step(now, &frame.measurement, &frame.intent),
         }
     }
 }

@@ -95,6 +95,7 @@ pub fn ride(
     let mut stop_at = ticks;
     let mut stopped = false;
     let mut tick = 0;
+    let mut missed_ticks = 0;
     let ending = loop {
         let now = Instant::from_nanos(tick * TICK.as_nanos());
         let truth = bench.plant.truth();
@@ -136,6 +137,7 @@ pub fn ride(
         if state != RideState::Running || (lost.is_some() && bench.torque_is_zero()) {
             break state;
         }
+        missed_ticks += u64::from(answer.is_none());
         let (row, rider) = bench.step(now, &truth, answer.as_ref());
         sums.add(&row, &rider, TICK_S);
         if let Some(log) = &mut logger {
@@ -148,7 +150,7 @@ pub fn ride(
         RideState::Stopped => Ending::Stopped,
         RideState::Finished | RideState::Running => Ending::Finished,
     };
-    let metrics = sums.finish(ending == Ending::Fell, 0);
+    let metrics = sums.finish(ending == Ending::Fell, missed_ticks);
     if let Some(log) = &mut logger
         && ending == Ending::Fell
     {

@@ -1,20 +1,11 @@
-//! The controller crate in the process of the plant, behind the same frames as over the link.
+//! The controller in the plant's own process.
 
 use twinhub_control::{Config, Controller};
-use twinhub_types::messages::PROTOCOL_HASH;
-use twinhub_types::{ControllerFrame, Header, Instant, PlantFrame};
+use twinhub_types::{ControllerFrame, PlantFrame};
 
-/// A controller at rest, for a [`twinhub_link::InProcess`] port: it answers each frame with the
-/// bits that the controller process answers it with.
+/// The controller behind [`InProcess`](twinhub_link::InProcess): frame in, frame out, the same bits
+/// as the controller's process gives.
 pub fn in_process(config: &Config) -> impl FnMut(&PlantFrame) -> ControllerFrame + Send + use<> {
     let mut controller = Controller::new(config);
-    move |frame| {
-        let now = Instant::from_nanos(frame.header.time_ns);
-        let output = controller.step(now, &frame.measurement, &frame.intent);
-        let header = Header {
-            protocol_hash: PROTOCOL_HASH,
-            ..frame.header
-        };
-        ControllerFrame { header, output }
-    }
+    move |frame| controller.answer(frame)
 }
