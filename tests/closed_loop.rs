@@ -12,10 +12,18 @@ fn load(assignments: &[&str]) -> Ride {
 }
 
 fn settings(log: Option<&Path>) -> Settings {
-    Settings { log: log.map(Path::to_owned), version: "test".into(), git_hash: "test".into() }
+    Settings {
+        log: log.map(Path::to_owned),
+        version: "test".into(),
+        git_hash: "test".into(),
+    }
 }
 
-fn ride_with(ride: &Ride, log: &Path, port: &mut impl ControllerPort) -> Result<Outcome, RideError> {
+fn ride_with(
+    ride: &Ride,
+    log: &Path,
+    port: &mut impl ControllerPort,
+) -> Result<Outcome, RideError> {
     twinhub_sim::ride(ride, &settings(Some(log)), port, &mut |_| true)
 }
 
@@ -30,13 +38,19 @@ fn the_first_course_is_ridden_with_and_without_the_pair_by_the_same_rider() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let course = load(&[]);
     for on in [false, true] {
-        let (outcome, log) = ride(&course.with_stabilizer(on), &dir.path().join(format!("{on}.mcap")));
+        let (outcome, log) = ride(
+            &course.with_stabilizer(on),
+            &dir.path().join(format!("{on}.mcap")),
+        );
         assert_eq!(outcome.ending, Ending::Finished, "stabilizer {on}");
         assert_eq!(outcome.metrics.ticks, 60_000);
         let torque = log.column(PLANT_TRUTH, "front_brake_nm").expect("logged");
         let most = torque.iter().copied().fold(0.0, f64::max);
         if on {
-            assert!(most > 30.0 && most <= 40.0, "the pair reaches its schedule: {most} Nm");
+            assert!(
+                most > 30.0 && most <= 40.0,
+                "the pair reaches its schedule: {most} Nm"
+            );
             assert!(outcome.metrics.energy_j > 0.0);
         } else {
             assert_eq!(most, 0.0);
@@ -44,8 +58,12 @@ fn the_first_course_is_ridden_with_and_without_the_pair_by_the_same_rider() {
         }
         let roll = log.column(PLANT_TRUTH, "roll_rad").expect("logged");
         let worst = roll.iter().fold(0.0, |w: f64, r| w.max(r.abs()));
-        assert!(worst > 0.005, "the disturbances reach the bicycle: {worst} rad");
-        log.verify().expect("the digest of the file is the digest of its records");
+        assert!(
+            worst > 0.005,
+            "the disturbances reach the bicycle: {worst} rad"
+        );
+        log.verify()
+            .expect("the digest of the file is the digest of its records");
         twinhub_log::check_layouts(&log).expect("every path in the shipped layouts is in the log");
     }
 }
@@ -62,7 +80,10 @@ fn equal_rides_have_equal_digests_and_other_seeds_others() {
     assert_eq!(first.len(), 32);
     assert_eq!(first, digest("b", &[]));
     assert_ne!(first, digest("c", &["seed=2"]));
-    assert_ne!(first, digest("d", &["rider.rider.steer_torque.delay_s=0.12"]));
+    assert_ne!(
+        first,
+        digest("d", &["rider.rider.steer_torque.delay_s=0.12"])
+    );
 }
 
 #[test]
@@ -70,11 +91,27 @@ fn the_controllers_roll_follows_the_truth() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let (_, log) = ride(&load(&["duration_s=20"]), &dir.path().join("log"));
     let truth = log.column(PLANT_TRUTH, "roll_rad").expect("logged");
-    let estimate = log.column(CONTROL_OUTPUT, "estimate.roll_rad").expect("logged");
-    let error: Vec<f64> = truth.iter().zip(estimate).skip(1000).map(|(t, e)| t - e).collect();
+    let estimate = log
+        .column(CONTROL_OUTPUT, "estimate.roll_rad")
+        .expect("logged");
+    let error: Vec<f64> = truth
+        .iter()
+        .zip(estimate)
+        .skip(1000)
+        .map(|(t, e)| t - e)
+        .collect();
     let rms = (error.iter().map(|e| e * e).sum::<f64>() / error.len() as f64).sqrt();
-    assert!(rms.to_degrees() < 0.5, "roll estimate is {} degrees rms off", rms.to_degrees());
-    assert_eq!(truth.len(), log.column(SENSOR_MEASUREMENT, "imu.stamp_ns").expect("logged").len());
+    assert!(
+        rms.to_degrees() < 0.5,
+        "roll estimate is {} degrees rms off",
+        rms.to_degrees()
+    );
+    assert_eq!(
+        truth.len(),
+        log.column(SENSOR_MEASUREMENT, "imu.stamp_ns")
+            .expect("logged")
+            .len()
+    );
 }
 
 #[test]
@@ -101,7 +138,10 @@ struct Dies<P> {
 impl<P: ControllerPort> ControllerPort for Dies<P> {
     fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError> {
         if frame.header.tick >= self.at {
-            return Err(LinkError::PeerDied { pid: 1, tick: frame.header.tick });
+            return Err(LinkError::PeerDied {
+                pid: 1,
+                tick: frame.header.tick,
+            });
         }
         self.port.exchange(frame)
     }
@@ -112,15 +152,33 @@ fn when_the_controller_dies_the_drives_ramp_to_zero_within_200_ms_and_the_log_op
     let dir = tempfile::tempdir().expect("temporary directory");
     let course = load(&["duration_s=20"]);
     let log = dir.path().join("log");
-    let mut port = Dies { at: 10_000, port: InProcess::new(twinhub_sim::in_process(&course.law)) };
+    let mut port = Dies {
+        at: 10_000,
+        port: InProcess::new(twinhub_sim::in_process(&course.law)),
+    };
     let error = ride_with(&course, &log, &mut port).expect_err("the link is lost");
     assert!(error.to_string().contains("died at tick 10000"), "{error}");
     let log = twinhub_log::read(&log).expect("opens");
     let torque = log.column(PLANT_TRUTH, "front_brake_nm").expect("logged");
-    assert!(torque[9_999] > 30.0, "there was torque before: {}", torque[9_999]);
-    assert!(torque.len() <= 10_250, "and the ride ends soon after: {} ticks", torque.len());
-    assert!(torque.iter().skip(10_200).all(|&t| t == 0.0), "zero 200 ms after the last command");
-    let fastest = torque.windows(2).skip(9_999).map(|w| w[0] - w[1]).fold(0.0, f64::max);
+    assert!(
+        torque[9_999] > 30.0,
+        "there was torque before: {}",
+        torque[9_999]
+    );
+    assert!(
+        torque.len() <= 10_250,
+        "and the ride ends soon after: {} ticks",
+        torque.len()
+    );
+    assert!(
+        torque.iter().skip(10_200).all(|&t| t == 0.0),
+        "zero 200 ms after the last command"
+    );
+    let fastest = torque
+        .windows(2)
+        .skip(9_999)
+        .map(|w| w[0] - w[1])
+        .fold(0.0, f64::max);
     assert!(fastest < 2.0, "ramped, not cut: {fastest} Nm in a tick");
 }
 
@@ -131,19 +189,25 @@ fn a_ride_that_is_stopped_ramps_out_first() {
     let path = dir.path().join("log");
     let mut port = InProcess::new(twinhub_sim::in_process(&course.law));
     let mut watch = |p: twinhub_sim::Progress| p.tick < 10_000;
-    let outcome = twinhub_sim::ride(&course, &settings(Some(&path)), &mut port, &mut watch).expect("stops");
+    let outcome =
+        twinhub_sim::ride(&course, &settings(Some(&path)), &mut port, &mut watch).expect("stops");
     assert_eq!(outcome.ending, Ending::Stopped);
     let log = twinhub_log::read(&path).expect("opens");
     let torque = log.column(PLANT_TRUTH, "front_brake_nm").expect("logged");
     assert_eq!(torque.last(), Some(&0.0));
     let fastest = torque.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
-    assert!(fastest < 0.5, "as slowly as a healthy path allows: {fastest} Nm in a tick");
+    assert!(
+        fastest < 0.5,
+        "as slowly as a healthy path allows: {fastest} Nm in a tick"
+    );
 }
 
 #[test]
 fn wrong_courses_say_file_key_and_what_is_accepted() {
     let error = |assignment: &str| {
-        Ride::load("first_ride", &[assignment.to_owned()]).expect_err(assignment).to_string()
+        Ride::load("first_ride", &[assignment.to_owned()])
+            .expect_err(assignment)
+            .to_string()
     };
     assert!(error("duration=3").contains("duration_s"));
     assert!(error("duration_s=-1").contains("at most 36000"));
@@ -154,5 +218,10 @@ fn wrong_courses_say_file_key_and_what_is_accepted() {
     assert!(error("plant.benchmark.bicycle=nothing").contains("bulsink2017_bicycle1"));
     assert!(error("law.limits.torque_max_nm=1000").contains("torque_max_nm"));
     assert!(error("rider.rider.steer_torque.delay_s=5").contains("0 to 1 s"));
-    assert!(Ride::load("no_such_course", &[]).expect_err("no such file").to_string().contains("first_ride"));
+    assert!(
+        Ride::load("no_such_course", &[])
+            .expect_err("no such file")
+            .to_string()
+            .contains("first_ride")
+    );
 }

@@ -17,25 +17,53 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("twinhub-log", &["twinhub-types"]),
     (
         "twinhub-sim",
-        &["twinhub-types", "twinhub-linear", "twinhub-plant", "twinhub-control", "twinhub-link", "twinhub-log"],
+        &[
+            "twinhub-types",
+            "twinhub-linear",
+            "twinhub-plant",
+            "twinhub-control",
+            "twinhub-link",
+            "twinhub-log",
+        ],
     ),
     ("twinhub-ident", &["twinhub-types", "twinhub-linear"]),
     (
         "twinhub-diagnose",
-        &["twinhub-types", "twinhub-linear", "twinhub-plant", "twinhub-ident", "twinhub-log"],
+        &[
+            "twinhub-types",
+            "twinhub-linear",
+            "twinhub-plant",
+            "twinhub-ident",
+            "twinhub-log",
+        ],
     ),
-    ("twinhub-report", &["twinhub-types", "twinhub-linear", "twinhub-log"]),
-    ("firmware-sim", &["twinhub-types", "twinhub-control", "twinhub-link"]),
+    (
+        "twinhub-report",
+        &["twinhub-types", "twinhub-linear", "twinhub-log"],
+    ),
+    (
+        "firmware-sim",
+        &["twinhub-types", "twinhub-control", "twinhub-link"],
+    ),
 ];
 
 /// May use every crate but these.
-const ALMOST_ALL: &[(&str, &[&str])] =
-    &[("twinhub", &["twinhub-python"]), ("twinhub-python", &["firmware-sim", "twinhub"]), ("closed-loop-tests", &[])];
+const ALMOST_ALL: &[(&str, &[&str])] = &[
+    ("twinhub", &["twinhub-python"]),
+    ("twinhub-python", &["firmware-sim", "twinhub"]),
+    ("closed-loop-tests", &[]),
+];
 
 #[test]
 fn arrows_between_crates_point_one_way() {
     let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+        ])
         .current_dir(root())
         .output()
         .expect("cargo metadata runs");
@@ -43,7 +71,11 @@ fn arrows_between_crates_point_one_way() {
     let mut uses: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for package in metadata["packages"].as_array().expect("packages") {
         let name = package["name"].as_str().expect("name");
-        let of_ours = package["dependencies"].as_array().expect("dependencies").iter().filter(|d| d["kind"].is_null());
+        let of_ours = package["dependencies"]
+            .as_array()
+            .expect("dependencies")
+            .iter()
+            .filter(|d| d["kind"].is_null());
         uses.insert(name, of_ours.filter_map(|d| d["name"].as_str()).collect());
     }
     let ours: BTreeSet<&str> = uses.keys().copied().collect();
@@ -62,9 +94,15 @@ fn arrows_between_crates_point_one_way() {
 }
 
 fn tracked(pattern: &str) -> Vec<String> {
-    let output =
-        Command::new("git").args(["ls-files", "--", pattern]).current_dir(root()).output().expect("git runs");
-    String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()
+    let output = Command::new("git")
+        .args(["ls-files", "--", pattern])
+        .current_dir(root())
+        .output()
+        .expect("git runs");
+    String::from_utf8_lossy(&output.stdout)
+        .lines()
+        .map(str::to_owned)
+        .collect()
 }
 
 #[test]
@@ -73,7 +111,10 @@ fn no_source_file_is_longer_than_700_lines() {
         .iter()
         .flat_map(|pattern| tracked(pattern))
         .filter_map(|file| {
-            let lines = std::fs::read_to_string(root().join(&file)).ok()?.lines().count();
+            let lines = std::fs::read_to_string(root().join(&file))
+                .ok()?
+                .lines()
+                .count();
             (lines > 700).then(|| format!("{file}: {lines} lines"))
         })
         .collect();
@@ -86,8 +127,13 @@ fn documents_speak_of_files_that_exist() {
         let text = std::fs::read_to_string(root().join(document)).expect("document");
         let words = text.split(|c: char| c.is_whitespace() || "`()[],;".contains(c));
         for word in words.map(|w| w.trim_end_matches(['.', ':'])) {
-            let is_path = ["crates/", "tests/", "firmware_sim/", "python/"].iter().any(|p| word.starts_with(p));
-            assert!(!is_path || Path::new(&root().join(word)).exists(), "{document} speaks of {word}");
+            let is_path = ["crates/", "tests/", "firmware_sim/", "python/"]
+                .iter()
+                .any(|p| word.starts_with(p));
+            assert!(
+                !is_path || Path::new(&root().join(word)).exists(),
+                "{document} speaks of {word}"
+            );
         }
     }
 }

@@ -4,7 +4,11 @@ use std::path::Path;
 use std::process::Command;
 
 fn git(arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").args(arguments).output().ok().filter(|o| o.status.success())?;
+    let output = Command::new("git")
+        .args(arguments)
+        .output()
+        .ok()
+        .filter(|o| o.status.success())?;
     Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
@@ -13,7 +17,9 @@ fn main() {
     println!("cargo:rustc-env=TWINHUB_GIT_HASH={hash}");
     // A commit on the same branch changes the log of HEAD, not HEAD itself.
     for file in ["HEAD", "logs/HEAD"] {
-        if let Some(path) = git(&["rev-parse", "--git-path", file]).filter(|p| Path::new(p).exists()) {
+        if let Some(path) =
+            git(&["rev-parse", "--git-path", file]).filter(|p| Path::new(p).exists())
+        {
             println!("cargo:rerun-if-changed={path}");
         }
     }

@@ -34,7 +34,10 @@ struct Entry {
 }
 
 fn entry(name: impl Into<String>, about: impl Into<String>) -> Entry {
-    Entry { name: name.into(), about: about.into() }
+    Entry {
+        name: name.into(),
+        about: about.into(),
+    }
 }
 
 /// First line of a TOML text's `about`, or of its leading comment.
@@ -43,15 +46,21 @@ fn about(text: &str) -> String {
     match table.get("about").and_then(toml::Value::as_str) {
         Some(about) => about.to_owned(),
         None => {
-            let comment: Vec<&str> =
-                text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+            let comment: Vec<&str> = text
+                .lines()
+                .map_while(|line| line.strip_prefix('#'))
+                .map(str::trim)
+                .collect();
             comment.join(" ")
         }
     }
 }
 
 fn shipped_entries(files: &[shipped::Shipped]) -> Vec<Entry> {
-    files.iter().map(|file| entry(file.name, about(file.text))).collect()
+    files
+        .iter()
+        .map(|file| entry(file.name, about(file.text)))
+        .collect()
 }
 
 fn parameter_entries() -> Vec<Entry> {
@@ -64,7 +73,9 @@ fn parameter_entries() -> Vec<Entry> {
 /// Every kind with its entries.
 fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
     let pairs = |list: &[(&'static str, &'static str)]| -> Vec<Entry> {
-        list.iter().map(|(name, about)| entry(*name, *about)).collect()
+        list.iter()
+            .map(|(name, about)| entry(*name, *about))
+            .collect()
     };
     vec![
         ("courses", shipped_entries(shipped::COURSES)),
@@ -75,23 +86,42 @@ fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
             twinhub_linear::sets::NAMES
                 .iter()
                 .map(|name| {
-                    let source = twinhub_linear::Bicycle::load(name).map_or(String::new(), |b| b.source);
+                    let source =
+                        twinhub_linear::Bicycle::load(name).map_or(String::new(), |b| b.source);
                     entry(*name, source)
                 })
                 .collect(),
         ),
         ("parameters", parameter_entries()),
-        ("tyres", tyre::SETS.iter().map(|set| entry(set.name, set.about)).collect()),
+        (
+            "tyres",
+            tyre::SETS
+                .iter()
+                .map(|set| entry(set.name, set.about))
+                .collect(),
+        ),
         ("motors", pairs(motor::sets::SETS)),
         ("sensors", pairs(sensor::sets::SUITES)),
         (
             "disturbances",
-            disturbance::sets::all().iter().map(|(name, about, _)| entry(*name, *about)).collect(),
+            disturbance::sets::all()
+                .iter()
+                .map(|(name, about, _)| entry(*name, *about))
+                .collect(),
         ),
-        ("studies", twinhub_diagnose::study::shipped::NAMES.iter().map(|name| entry(*name, "measured ride")).collect()),
+        (
+            "studies",
+            twinhub_diagnose::study::shipped::NAMES
+                .iter()
+                .map(|name| entry(*name, "measured ride"))
+                .collect(),
+        ),
         (
             "health",
-            twinhub_types::Health::TABLE.iter().map(|h| entry(h.code, h.cause)).collect(),
+            twinhub_types::Health::TABLE
+                .iter()
+                .map(|h| entry(h.code, h.cause))
+                .collect(),
         ),
     ]
 }
@@ -105,7 +135,10 @@ pub fn list(args: &ListArgs) -> anyhow::Result<ExitCode> {
     if let Some(kind) = &args.kind {
         let kinds: Vec<&str> = catalogue.iter().map(|(kind, _)| *kind).collect();
         if !kinds.contains(&kind.as_str()) {
-            return Err(bad_input(anyhow!("no kind `{kind}`; there are {}", kinds.join(", "))));
+            return Err(bad_input(anyhow!(
+                "no kind `{kind}`; there are {}",
+                kinds.join(", ")
+            )));
         }
         catalogue.retain(|(k, _)| k == kind);
     }
@@ -113,12 +146,17 @@ pub fn list(args: &ListArgs) -> anyhow::Result<ExitCode> {
         let kinds: serde_json::Map<String, serde_json::Value> = catalogue
             .iter()
             .map(|(kind, entries)| {
-                let entries: Vec<_> =
-                    entries.iter().map(|e| json!({ "name": e.name, "about": e.about })).collect();
+                let entries: Vec<_> = entries
+                    .iter()
+                    .map(|e| json!({ "name": e.name, "about": e.about }))
+                    .collect();
                 ((*kind).to_owned(), json!(entries))
             })
             .collect();
-        println!("{}", serde_json::to_string_pretty(&json!({ "schema_version": 1, "kinds": kinds }))?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&json!({ "schema_version": 1, "kinds": kinds }))?
+        );
         return Ok(ExitCode::SUCCESS);
     }
     for (kind, entries) in &catalogue {
@@ -133,7 +171,11 @@ pub fn list(args: &ListArgs) -> anyhow::Result<ExitCode> {
 /// Everything that is known about `name`, from every registry that has it.
 fn explanations(name: &str) -> Vec<String> {
     let mut texts = Vec::new();
-    let files = [("course", shipped::COURSES), ("rider", shipped::RIDERS), ("law", shipped::LAWS)];
+    let files = [
+        ("course", shipped::COURSES),
+        ("rider", shipped::RIDERS),
+        ("law", shipped::LAWS),
+    ];
     for (kind, table) in files {
         if let Some(file) = table.iter().find(|file| file.name == name) {
             texts.push(format!("{kind} {name}\n\n{}", file.text.trim_end()));
@@ -143,7 +185,12 @@ fn explanations(name: &str) -> Vec<String> {
         texts.push(format!("tyre set {name}: {}\n{:#?}", set.about, set.tyre));
     }
     texts.extend(tyre::explain(name).map(|e| e.to_string()));
-    texts.extend(MotorDrive::examples().iter().find(|m| m.name() == name).map(|m| m.explain().to_string()));
+    texts.extend(
+        MotorDrive::examples()
+            .iter()
+            .find(|m| m.name() == name)
+            .map(|m| m.explain().to_string()),
+    );
     texts.extend(motor::sets::named(name).map(|set| format!("motor set {name}\n{set:#?}")));
     texts.extend(sensor::sets::named(name).map(|set| format!("sensor suite {name}\n{set:#?}")));
     for (set, about, what) in disturbance::sets::all() {
@@ -160,7 +207,10 @@ fn explanations(name: &str) -> Vec<String> {
         }
         for symbol in twinhub_linear::SYMBOLS {
             let value = bicycle.get(symbol).unwrap_or(f64::NAN);
-            text += &format!("  {symbol:<5} {value:<14} {}\n", twinhub_linear::unit(symbol).unwrap_or(""));
+            text += &format!(
+                "  {symbol:<5} {value:<14} {}\n",
+                twinhub_linear::unit(symbol).unwrap_or("")
+            );
         }
         texts.push(text);
     }
@@ -180,7 +230,10 @@ fn explanations(name: &str) -> Vec<String> {
 pub fn explain(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     let texts = explanations(&args.name);
     if texts.is_empty() {
-        return Err(bad_input(anyhow!("nothing is called `{}`; `twinhub list` prints every name", args.name)));
+        return Err(bad_input(anyhow!(
+            "nothing is called `{}`; `twinhub list` prints every name",
+            args.name
+        )));
     }
     println!("{}", texts.join("\n\n"));
     Ok(ExitCode::SUCCESS)

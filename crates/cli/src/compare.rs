@@ -41,8 +41,12 @@ pub struct CompareArgs {
 pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     let study = Study::read(&args.study, &args.set).map_err(bad_input)?;
     let folders = DataFolders::new(&study, args.data.as_deref());
-    let rides: Vec<RideData> =
-        study.rides.iter().map(|r| read_ride(r, &folders)).collect::<Result<_, _>>().map_err(bad_input)?;
+    let rides: Vec<RideData> = study
+        .rides
+        .iter()
+        .map(|r| read_ride(r, &folders))
+        .collect::<Result<_, _>>()
+        .map_err(bad_input)?;
     // Draws on a terminal only.
     let bar = indicatif::ProgressBar::new_spinner();
     let found = compare(&study, &rides, |text| {
@@ -55,7 +59,10 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
         (Some(path), _) => Some(path.clone()),
         (None, true) => None,
         (None, false) => {
-            let stem = study.file.file_stem().map_or("study".into(), |s| s.to_string_lossy());
+            let stem = study
+                .file
+                .file_stem()
+                .map_or("study".into(), |s| s.to_string_lossy());
             Some(PathBuf::from(format!("rides/compare_{stem}.html")))
         }
     };
@@ -71,16 +78,28 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
 
 fn write_report(path: &Path, html: &str) -> anyhow::Result<()> {
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
-    std::fs::write(path, html).with_context(|| format!("cannot write the report {}", path.display()))
+    std::fs::write(path, html)
+        .with_context(|| format!("cannot write the report {}", path.display()))
 }
 
 /// One row a channel, VAF and RMSE by horizon.
 fn table(found: &Comparison, report: Option<&Path>) -> String {
     let mut text = format!("{}\n\n", found.study);
-    let horizons: Vec<&String> = found.channels.values().next().map_or(vec![], |c| c.horizons.keys().collect());
-    let width = found.channels.keys().map(String::len).max().unwrap_or(0).max(8);
+    let horizons: Vec<&String> = found
+        .channels
+        .values()
+        .next()
+        .map_or(vec![], |c| c.horizons.keys().collect());
+    let width = found
+        .channels
+        .keys()
+        .map(String::len)
+        .max()
+        .unwrap_or(0)
+        .max(8);
     let _ = write!(text, "{:width$}", "");
     for horizon in &horizons {
         let _ = write!(text, "{:>26}", format!("{horizon} s ahead"));
@@ -94,8 +113,13 @@ fn table(found: &Comparison, report: Option<&Path>) -> String {
         let _ = write!(text, "{name:width$}");
         for horizon in &horizons {
             let cell = channel.horizons.get(*horizon).and_then(Option::as_ref);
-            let number = |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-            let (vaf, rmse) = (number(cell.and_then(|c| c.vaf), 2), number(cell.map(|c| c.rmse), 4));
+            let number = |x: Option<f64>, digits: usize| {
+                x.map_or("-".to_owned(), |x| format!("{x:.digits$}"))
+            };
+            let (vaf, rmse) = (
+                number(cell.and_then(|c| c.vaf), 2),
+                number(cell.map(|c| c.rmse), 4),
+            );
             let held = number(cell.and_then(|c| c.held_rmse), 4);
             let _ = write!(text, " {vaf:>8} {rmse:>8} {held:>7}");
         }
@@ -136,42 +160,67 @@ fn page(found: &Comparison) -> ComparePage {
             }
         })
     });
-    let rides = found.traces.iter().enumerate().map(|(index, trace)| RidePlot {
-        name: trace.ride.clone(),
-        worst_s: found.worst.as_ref().filter(|w| w.ride_index == index).map(|w| [w.start_s, w.end_s]),
-        channels: trace
-            .channels
-            .iter()
-            .map(|c| ChannelPlot {
-                quantity: c.quantity.name().to_owned(),
-                measured: c.measured.clone(),
-                predicted: c.predicted.iter().map(|p| [p[0], p[1], p[3]]).collect(),
-                free_run: c.free_run.clone(),
-            })
-            .collect(),
-    });
-    let relations = found
-        .relations
+    let rides = found
+        .traces
         .iter()
-        .map(|r| [format!("{} against {}", r.measured, r.expected), format!("{:.3}", r.slope), format!("{:.3}", r.r)]);
+        .enumerate()
+        .map(|(index, trace)| RidePlot {
+            name: trace.ride.clone(),
+            worst_s: found
+                .worst
+                .as_ref()
+                .filter(|w| w.ride_index == index)
+                .map(|w| [w.start_s, w.end_s]),
+            channels: trace
+                .channels
+                .iter()
+                .map(|c| ChannelPlot {
+                    quantity: c.quantity.name().to_owned(),
+                    measured: c.measured.clone(),
+                    predicted: c.predicted.iter().map(|p| [p[0], p[1], p[3]]).collect(),
+                    free_run: c.free_run.clone(),
+                })
+                .collect(),
+        });
+    let relations = found.relations.iter().map(|r| {
+        [
+            format!("{} against {}", r.measured, r.expected),
+            format!("{:.3}", r.slope),
+            format!("{:.3}", r.r),
+        ]
+    });
     let mut details = format!(
         "study {}\nprocess noise: roll torque {:.3} Nm sqrt(s), steer torque {:.3} Nm sqrt(s)\n\
          mean normalised innovation squared {:.3} (1: the predictor knows how uncertain it is)\n",
-        found.file, found.noise.roll_nm_sqrt_s, found.noise.steer_nm_sqrt_s, found.noise.consistency
+        found.file,
+        found.noise.roll_nm_sqrt_s,
+        found.noise.steer_nm_sqrt_s,
+        found.noise.consistency
     );
     for (name, channel) in &found.channels {
-        let _ = writeln!(details, "{name}: column {}, sensor noise {:.2e}", channel.column, channel.noise_sd);
+        let _ = writeln!(
+            details,
+            "{name}: column {}, sensor noise {:.2e}",
+            channel.column, channel.noise_sd
+        );
     }
     for level in &found.noise.at_limit {
         let _ = writeln!(details, "{level}: noise level at the end of its range");
     }
     ComparePage {
         title: found.study.clone(),
-        lead: format!("Measured against predicted, {:.2} m/s on average", found.mean_speed_m_s),
+        lead: format!(
+            "Measured against predicted, {:.2} m/s on average",
+            found.mean_speed_m_s
+        ),
         statements: found.statements.clone(),
         rides: rides.collect(),
         scores: scores.collect(),
-        findings: found.findings.iter().map(|f| format!("{}: {}", f.column, f.text)).collect(),
+        findings: found
+            .findings
+            .iter()
+            .map(|f| format!("{}: {}", f.column, f.text))
+            .collect(),
         relations: relations.collect(),
         details,
     }

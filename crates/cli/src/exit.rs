@@ -32,7 +32,10 @@ pub const ENVIRONMENT: u8 = 3;
 pub const INTERRUPTED: u8 = 130;
 
 fn coded(code: u8, error: impl Into<anyhow::Error>) -> anyhow::Error {
-    anyhow::Error::new(Coded { code, source: error.into() })
+    anyhow::Error::new(Coded {
+        code,
+        source: error.into(),
+    })
 }
 
 /// Marks `error` as the user's: exit code 2.
@@ -62,6 +65,9 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         }
         last = text;
     }
-    let code = error.chain().find_map(|e| e.downcast_ref::<Coded>()).map_or(ENVIRONMENT, |e| e.code);
+    let code = error
+        .chain()
+        .find_map(|e| e.downcast_ref::<Coded>())
+        .map_or(ENVIRONMENT, |e| e.code);
     ExitCode::from(code)
 }

@@ -55,7 +55,10 @@ fn end_quietly_on_a_closed_pipe() {
 
 fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     // A ride writes to its own children, whose death it has to survive.
-    if !matches!(cli.command, Command::Ride(_) | Command::PlantProcess | Command::ControllerProcess) {
+    if !matches!(
+        cli.command,
+        Command::Ride(_) | Command::PlantProcess | Command::ControllerProcess
+    ) {
         end_quietly_on_a_closed_pipe();
     }
     match cli.command {
@@ -66,7 +69,12 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "twinhub", &mut std::io::stdout());
+            clap_complete::generate(
+                shell,
+                &mut Cli::command(),
+                "twinhub",
+                &mut std::io::stdout(),
+            );
             Ok(ExitCode::SUCCESS)
         }
         Command::PlantProcess => processes::plant(),

@@ -46,16 +46,29 @@ struct Job {
 #[serde(rename_all = "snake_case")]
 enum Report {
     Tick(u64),
-    Done { stopped: bool, metrics: Metrics, digest: String },
+    Done {
+        stopped: bool,
+        metrics: Metrics,
+        digest: String,
+    },
 }
 
 /// Rides `ride` in two processes.
 ///
 /// # Errors
 /// If a process cannot be started or did not come to its end; what it said is on standard error.
-pub fn ride(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> anyhow::Result<Outcome> {
+pub fn ride(
+    ride: &Ride,
+    log: &Path,
+    stop: &AtomicBool,
+    bar: &ProgressBar,
+) -> anyhow::Result<Outcome> {
     let job = serde_json::to_string(&Job {
-        link: format!("ride{}-{}", std::process::id(), if ride.stabilizer_on { "on" } else { "off" }),
+        link: format!(
+            "ride{}-{}",
+            std::process::id(),
+            if ride.stabilizer_on { "on" } else { "off" }
+        ),
         ride_toml: ride.to_toml(),
         log: log.to_owned(),
     })?;
@@ -78,7 +91,12 @@ pub fn ride(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> an
             (false, true) => Ending::Fell,
             (false, false) => Ending::Finished,
         };
-        return Ok(Outcome { ending, metrics, digest, log: Some(log.to_owned()) });
+        return Ok(Outcome {
+            ending,
+            metrics,
+            digest,
+            log: Some(log.to_owned()),
+        });
     }
     let what = anyhow!(
         "the ride broke off at {:.1} s: the plant's process {}, the controller's process {}; the log so far is {}",
@@ -87,7 +105,11 @@ pub fn ride(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> an
         fate(controller_end),
         log.display()
     );
-    Err(if stop.load(Ordering::Relaxed) { exit::interrupted(what) } else { exit::environment(what) })
+    Err(if stop.load(Ordering::Relaxed) {
+        exit::interrupted(what)
+    } else {
+        exit::environment(what)
+    })
 }
 
 fn spawn(role: &str, job: &str) -> anyhow::Result<(Child, ChildStdin)> {
@@ -111,7 +133,9 @@ fn reports(plant: &mut Child) -> Receiver<Report> {
     if let Some(output) = plant.stdout.take() {
         std::thread::spawn(move || {
             for line in BufReader::new(output).lines().map_while(Result::ok) {
-                let Ok(report) = serde_json::from_str(&line) else { break };
+                let Ok(report) = serde_json::from_str(&line) else {
+                    break;
+                };
                 if send.send(report).is_err() {
                     break;
                 }
@@ -135,7 +159,11 @@ fn follow(
         }
         match reports.recv_timeout(Duration::from_millis(20)) {
             Ok(Report::Tick(tick)) => bar.set_position(tick),
-            Ok(Report::Done { stopped, metrics, digest }) => return Some((stopped, metrics, digest)),
+            Ok(Report::Done {
+                stopped,
+                metrics,
+                digest,
+            }) => return Some((stopped, metrics, digest)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 drop(plant_in);
@@ -207,9 +235,15 @@ fn tell(report: &Report) {
 pub fn plant() -> anyhow::Result<ExitCode> {
     let (job, ride, stop) = take_job()?;
     let settings = link_settings(&job, &stop).map_err(exit::environment)?;
-    let mut port = PlantOffer::open(settings).and_then(PlantOffer::accept).map_err(exit::environment)?;
+    let mut port = PlantOffer::open(settings)
+        .and_then(PlantOffer::accept)
+        .map_err(exit::environment)?;
     let (version, git_hash) = program();
-    let settings = Settings { log: Some(job.log), version, git_hash };
+    let settings = Settings {
+        log: Some(job.log),
+        version,
+        git_hash,
+    };
     let every = (ride.ticks() / PROGRESS_LINES).max(1);
     let mut watch = |p: Progress| {
         if p.tick.is_multiple_of(every) {
@@ -219,7 +253,11 @@ pub fn plant() -> anyhow::Result<ExitCode> {
     };
     let outcome = twinhub_sim::ride(&ride, &settings, &mut port, &mut watch).map_err(coded)?;
     let stopped = outcome.ending == Ending::Stopped;
-    tell(&Report::Done { stopped, metrics: outcome.metrics, digest: outcome.digest });
+    tell(&Report::Done {
+        stopped,
+        metrics: outcome.metrics,
+        digest: outcome.digest,
+    });
     Ok(ExitCode::SUCCESS)
 }
 
@@ -230,7 +268,10 @@ pub fn plant() -> anyhow::Result<ExitCode> {
 pub fn controller() -> anyhow::Result<ExitCode> {
     let (job, ride, stop) = take_job()?;
     let settings = link_settings(&job, &stop).map_err(exit::environment)?;
-    let options = firmware_sim::Options { settings, config: ride.law };
+    let options = firmware_sim::Options {
+        settings,
+        config: ride.law,
+    };
     firmware_sim::run(options).map_err(|e| match e {
         LinkError::Interrupted => exit::interrupted(e),
         other => exit::environment(other),

@@ -46,7 +46,10 @@ pub struct Run {
 
 /// Version and commit of this program.
 pub fn program() -> (String, String) {
-    (env!("CARGO_PKG_VERSION").to_owned(), env!("TWINHUB_GIT_HASH").to_owned())
+    (
+        env!("CARGO_PKG_VERSION").to_owned(),
+        env!("TWINHUB_GIT_HASH").to_owned(),
+    )
 }
 
 /// Runs the command.
@@ -76,7 +79,11 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         bar.finish_and_clear();
         let outcome = outcome?;
         if outcome.ending == Ending::Stopped {
-            eprintln!("stopped after {:.1} s; the log is {}", outcome.metrics.ticks as f64 * 1e-3, log.display());
+            eprintln!(
+                "stopped after {:.1} s; the log is {}",
+                outcome.metrics.ticks as f64 * 1e-3,
+                log.display()
+            );
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
         runs.push(Run { on, outcome });
@@ -90,12 +97,25 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         print!("{}", crate::ride_report::footer(&page));
     }
     let fell = runs.iter().any(|run| run.outcome.metrics.fell);
-    Ok(if fell { ExitCode::from(exit::FELL) } else { ExitCode::SUCCESS })
+    Ok(if fell {
+        ExitCode::from(exit::FELL)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
-fn in_process(ride: &Ride, log: &Path, stop: &AtomicBool, bar: &ProgressBar) -> anyhow::Result<Outcome> {
+fn in_process(
+    ride: &Ride,
+    log: &Path,
+    stop: &AtomicBool,
+    bar: &ProgressBar,
+) -> anyhow::Result<Outcome> {
     let (version, git_hash) = program();
-    let settings = Settings { log: Some(log.to_owned()), version, git_hash };
+    let settings = Settings {
+        log: Some(log.to_owned()),
+        version,
+        git_hash,
+    };
     let mut port = twinhub_link::InProcess::new(twinhub_sim::in_process(&ride.law));
     let mut watch = |p: Progress| {
         if p.tick.is_multiple_of(500) {
@@ -118,11 +138,18 @@ pub fn coded(error: RideError) -> anyhow::Error {
 /// A directory that no other ride writes to: `first_ride`, `first_ride-2`, ...
 fn new_directory(out: &Path, name: &str) -> anyhow::Result<PathBuf> {
     let cannot = |path: &Path, e: std::io::Error| {
-        anyhow::anyhow!("{}: cannot be created: {e}; choose another place with --out DIR", path.display())
+        anyhow::anyhow!(
+            "{}: cannot be created: {e}; choose another place with --out DIR",
+            path.display()
+        )
     };
     std::fs::create_dir_all(out).map_err(|e| cannot(out, e))?;
     for n in 1u32.. {
-        let dir = out.join(if n == 1 { name.to_owned() } else { format!("{name}-{n}") });
+        let dir = out.join(if n == 1 {
+            name.to_owned()
+        } else {
+            format!("{name}-{n}")
+        });
         match std::fs::create_dir(&dir) {
             Ok(()) => return Ok(dir),
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
@@ -135,7 +162,9 @@ fn new_directory(out: &Path, name: &str) -> anyhow::Result<PathBuf> {
 fn progress_bar(ticks: u64, name: &str) -> ProgressBar {
     let style = "stabilizer {msg:3} {bar:40} {percent:>3} %  {elapsed}";
     let bar = ProgressBar::new(ticks).with_message(name.to_owned());
-    bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_style(
+        ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
     bar
 }
 

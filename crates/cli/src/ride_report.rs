@@ -15,13 +15,42 @@ pub fn table(ride: &Ride, runs: &[Run]) -> String {
     let degrees = |rad: f64| format!("{:.2} deg", rad.to_degrees());
     let rows: [(&str, Vec<String>); 8] = [
         ("stabilizer", m(&|r| if r.on { "on" } else { "off" }.into())),
-        ("fell", m(&|r| if r.outcome.metrics.fell { "yes" } else { "no" }.into())),
+        (
+            "fell",
+            m(&|r| if r.outcome.metrics.fell { "yes" } else { "no" }.into()),
+        ),
         ("roll rms", m(&|r| degrees(r.outcome.metrics.roll_rms_rad))),
-        ("steer rms", m(&|r| degrees(r.outcome.metrics.steer_rms_rad))),
-        ("rider effort rms", m(&|r| format!("{:.2} Nm", r.outcome.metrics.rider_effort_rms_nm))),
-        ("motor energy", m(&|r| format!("{:.0} J", r.outcome.metrics.energy_j))),
-        ("ticks, missed", m(&|r| format!("{}, {}", r.outcome.metrics.ticks, r.outcome.metrics.missed_ticks))),
-        ("digest", m(&|r| r.outcome.digest.get(..24).unwrap_or(&r.outcome.digest).to_owned())),
+        (
+            "steer rms",
+            m(&|r| degrees(r.outcome.metrics.steer_rms_rad)),
+        ),
+        (
+            "rider effort rms",
+            m(&|r| format!("{:.2} Nm", r.outcome.metrics.rider_effort_rms_nm)),
+        ),
+        (
+            "motor energy",
+            m(&|r| format!("{:.0} J", r.outcome.metrics.energy_j)),
+        ),
+        (
+            "ticks, missed",
+            m(&|r| {
+                format!(
+                    "{}, {}",
+                    r.outcome.metrics.ticks, r.outcome.metrics.missed_ticks
+                )
+            }),
+        ),
+        (
+            "digest",
+            m(&|r| {
+                r.outcome
+                    .digest
+                    .get(..24)
+                    .unwrap_or(&r.outcome.digest)
+                    .to_owned()
+            }),
+        ),
     ];
     let mut text = format!("{}: {}\n", ride.name, ride.course.about);
     for (name, values) in rows {
@@ -49,7 +78,11 @@ fn next_commands() -> Vec<String> {
 /// The lines below the table.
 pub fn footer(page: &Path) -> String {
     let dir = page.parent().unwrap_or(Path::new("."));
-    let mut text = format!("\nreport  {}\nlogs    {1}/off.mcap {1}/on.mcap\ntry\n", page.display(), dir.display());
+    let mut text = format!(
+        "\nreport  {}\nlogs    {1}/off.mcap {1}/on.mcap\ntry\n",
+        page.display(),
+        dir.display()
+    );
     for command in next_commands() {
         text += &format!("  {command}\n");
     }
@@ -77,14 +110,21 @@ pub fn write(page: &Path, ride: &Ride, runs: &[Run]) -> anyhow::Result<()> {
             ("version".into(), version),
             ("commit".into(), git_hash),
             ("seed".into(), ride.course.seed.to_string()),
-            ("configuration".into(), twinhub_log::digest_text(&config_text)),
-            ("rider".into(), format!("{} ({})", ride.rider.about, ride.rider.source)),
+            (
+                "configuration".into(),
+                twinhub_log::digest_text(&config_text),
+            ),
+            (
+                "rider".into(),
+                format!("{} ({})", ride.rider.about, ride.rider.source),
+            ),
             ("bicycle".into(), ride.bicycle.source.clone()),
         ],
         config_text,
         commands: next_commands(),
     };
-    std::fs::write(page, ride_page(&content)).with_context(|| format!("{}: cannot be written", page.display()))
+    std::fs::write(page, ride_page(&content))
+        .with_context(|| format!("{}: cannot be written", page.display()))
 }
 
 /// One ride with its signals, read back from its log.
@@ -108,7 +148,9 @@ fn one(run: &Run) -> anyhow::Result<report::Ride> {
         let log = twinhub_log::read(path)?;
         let truth = |column: &str| log.column(PLANT_TRUTH, column).map(<[f64]>::to_vec);
         ride.signals = Signals {
-            t_s: (0..m.ticks).map(|tick| tick as f64 * twinhub_sim::TICK_S).collect(),
+            t_s: (0..m.ticks)
+                .map(|tick| tick as f64 * twinhub_sim::TICK_S)
+                .collect(),
             roll_rad: truth("roll_rad")?,
             steer_rad: truth("steer_rad")?,
             rider_torque_nm: log.column(RIDER_STATE, "steer_torque_nm")?.to_vec(),
@@ -135,7 +177,11 @@ fn stretches(ride: &Ride) -> Vec<Stretch> {
                 _ => return None,
             };
             let name = timed.what.name().replace('_', " ");
-            Some(Stretch { from_s: timed.start_s, to_s: timed.start_s + length_s, name })
+            Some(Stretch {
+                from_s: timed.start_s,
+                to_s: timed.start_s + length_s,
+                name,
+            })
         })
         .collect()
 }

@@ -7,7 +7,10 @@ use std::time::{Duration, Instant};
 
 fn twinhub(dir: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_twinhub"));
-    command.args(arguments).current_dir(dir).env("TWINHUB_RUN_DIR", dir.join("run"));
+    command
+        .args(arguments)
+        .current_dir(dir)
+        .env("TWINHUB_RUN_DIR", dir.join("run"));
     command
 }
 
@@ -19,7 +22,9 @@ fn json(output: &Output) -> Value {
 fn digests(output: &Output) -> Vec<String> {
     let value = json(output);
     let runs = value["runs"].as_array().expect("runs");
-    runs.iter().map(|r| r["digest"].as_str().expect("digest").to_owned()).collect()
+    runs.iter()
+        .map(|r| r["digest"].as_str().expect("digest").to_owned())
+        .collect()
 }
 
 /// A ride so long that a test has time to disturb it.
@@ -27,12 +32,18 @@ const LONG: [&str; 4] = ["ride", "--json", "--set", "duration_s=36000"];
 
 /// Started with its own standard error, which is returned when it ends.
 fn start(dir: &Path, arguments: &[&str]) -> Child {
-    twinhub(dir, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts")
+    twinhub(dir, arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts")
 }
 
 /// Pids of the children of `parent` that run the hidden command `role`.
 fn children(parent: u32, role: &str) -> Vec<u32> {
-    let Ok(entries) = std::fs::read_dir("/proc") else { return Vec::new() };
+    let Ok(entries) = std::fs::read_dir("/proc") else {
+        return Vec::new();
+    };
     entries
         .filter_map(|e| e.ok()?.file_name().to_str()?.parse::<u32>().ok())
         .filter(|pid| {
@@ -60,7 +71,10 @@ fn riding(ride: &Child, dir: &Path, role: &str) -> u32 {
 }
 
 fn signal(pid: u32, name: &str) {
-    let done = Command::new("kill").args([&format!("-{name}"), &pid.to_string()]).status().expect("kill runs");
+    let done = Command::new("kill")
+        .args([&format!("-{name}"), &pid.to_string()])
+        .status()
+        .expect("kill runs");
     assert!(done.success(), "kill -{name} {pid}");
 }
 
@@ -80,19 +94,38 @@ fn end(mut ride: Child) -> Output {
 /// The log that is left opens, and a next ride in the same place is clean.
 fn left_in_order(dir: &Path) {
     let log = twinhub_log::read(dir.join("rides/first_ride/off.mcap")).expect("the log opens");
-    let ticks = log.column(twinhub_log::PLANT_TRUTH, "roll_rad").expect("has ticks").len();
+    let ticks = log
+        .column(twinhub_log::PLANT_TRUTH, "roll_rad")
+        .expect("has ticks")
+        .len();
     assert!(ticks > 1000, "{ticks} ticks");
-    let next = twinhub(dir, &["ride", "--json", "--set", "duration_s=1"]).output().expect("starts");
-    assert_eq!(next.status.code(), Some(0), "{}", String::from_utf8_lossy(&next.stderr));
+    let next = twinhub(dir, &["ride", "--json", "--set", "duration_s=1"])
+        .output()
+        .expect("starts");
+    assert_eq!(
+        next.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&next.stderr)
+    );
     let run = twinhub_link::RunDir::at(dir.join("run"));
-    assert_eq!(twinhub_link::leftovers(&run), Vec::<std::path::PathBuf>::new());
+    assert_eq!(
+        twinhub_link::leftovers(&run),
+        Vec::<std::path::PathBuf>::new()
+    );
 }
 
 #[test]
 fn two_processes_and_one_give_the_same_digests() {
     let dir = tempfile::tempdir().expect("temporary directory");
-    let two = twinhub(dir.path(), &["ride", "--json", "--set", "duration_s=5"]).output().expect("starts");
-    let one = twinhub(dir.path(), &["ride", "--json", "--set", "duration_s=5", "--in-process"]).output();
+    let two = twinhub(dir.path(), &["ride", "--json", "--set", "duration_s=5"])
+        .output()
+        .expect("starts");
+    let one = twinhub(
+        dir.path(),
+        &["ride", "--json", "--set", "duration_s=5", "--in-process"],
+    )
+    .output();
     let (two, one) = (digests(&two), digests(&one.expect("starts")));
     assert_eq!(two.len(), 2);
     assert_eq!(two, one);
@@ -109,7 +142,10 @@ fn killing_the_controller_ends_the_ride_with_words_and_a_log() {
     let output = end(ride);
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{words}");
-    assert!(words.contains("the controller's process was killed by signal 9"), "{words}");
+    assert!(
+        words.contains("the controller's process was killed by signal 9"),
+        "{words}"
+    );
     left_in_order(dir.path());
 }
 
@@ -121,8 +157,14 @@ fn killing_the_plant_ends_the_ride_with_words_and_a_log() {
     let output = end(ride);
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{words}");
-    assert!(words.contains("the plant's process was killed by signal 9"), "{words}");
-    assert!(words.contains("to zero") || words.contains("no torque"), "{words}");
+    assert!(
+        words.contains("the plant's process was killed by signal 9"),
+        "{words}"
+    );
+    assert!(
+        words.contains("to zero") || words.contains("no torque"),
+        "{words}"
+    );
     left_in_order(dir.path());
 }
 
@@ -168,5 +210,9 @@ fn two_rides_at_once_do_not_disturb_each_other() {
     let rides = [start(dir.path(), &arguments), start(dir.path(), &arguments)];
     let [a, b] = rides.map(end);
     assert_eq!(digests(&a), digests(&b));
-    assert_ne!(json(&a)["report"], json(&b)["report"], "each has a directory of its own");
+    assert_ne!(
+        json(&a)["report"],
+        json(&b)["report"],
+        "each has a directory of its own"
+    );
 }

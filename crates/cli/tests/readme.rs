@@ -6,14 +6,23 @@ use std::process::Command;
 /// Where measured rides are, if they are anywhere.
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    std::env::var_os("TWINHUB_DATA").map(PathBuf::from).or(Some(beside)).filter(|p| p.is_dir())
+    std::env::var_os("TWINHUB_DATA")
+        .map(PathBuf::from)
+        .or(Some(beside))
+        .filter(|p| p.is_dir())
 }
 
 #[test]
 fn its_commands_run() {
     let readme = include_str!("../../../README.md");
-    let commands: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("twinhub ")).collect();
-    assert!(commands.len() >= 6, "the README shows commands: {commands:?}");
+    let commands: Vec<&str> = readme
+        .lines()
+        .filter_map(|line| line.strip_prefix("twinhub "))
+        .collect();
+    assert!(
+        commands.len() >= 6,
+        "the README shows commands: {commands:?}"
+    );
     let dir = tempfile::tempdir().expect("temporary directory");
     for command in commands {
         let data = data();
@@ -22,7 +31,9 @@ fn its_commands_run() {
             continue;
         }
         let data = data.map_or(String::new(), |p| p.display().to_string());
-        let words = command.split_whitespace().map(|word| if word == "DIR" { data.as_str() } else { word });
+        let words = command
+            .split_whitespace()
+            .map(|word| if word == "DIR" { data.as_str() } else { word });
         let output = Command::new(env!("CARGO_BIN_EXE_twinhub"))
             .args(words)
             .current_dir(dir.path())

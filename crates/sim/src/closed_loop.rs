@@ -4,13 +4,14 @@
 //! rider's action and the disturbances act from k to k + 1 ms.
 
 use crate::error::{RideError, SetupError};
+use crate::logger::Logger;
 use crate::metrics::{Metrics, Sums};
 use crate::record::{RiderRow, TruthRow, truth_row};
 use crate::setup::{Ride, places};
 use crate::{TICK, TICK_S};
 use std::path::PathBuf;
 use twinhub_link::{ControllerPort, LinkError};
-use twinhub_log::{Digest, Event, Level, Metadata, RideLog, ScenePose, Topic};
+use twinhub_log::Level;
 use twinhub_plant::disturbance::Disturbances;
 use twinhub_plant::motor::{PowerOutput, PowerTrain};
 use twinhub_plant::rider::{Perception, Rider, RiderModel};
@@ -18,7 +19,7 @@ use twinhub_plant::sensor::{SensorSuite, SensorTruth};
 use twinhub_plant::{PlantInput, PlantModel, Truth};
 use twinhub_types::messages::PROTOCOL_HASH;
 use twinhub_types::{
-    ControllerFrame, Header, Instant, Measurement, Output, PlantFrame, RideState, RiderIntent,
+    ControllerFrame, Header, Instant, Measurement, PlantFrame, RideState, RiderIntent,
 };
 
 /// What a ride needs beside the [`Ride`] itself.
@@ -68,9 +69,6 @@ pub struct Outcome {
 /// Ticks that the torques get to ramp out when a ride is stopped or the controller is lost: longer
 /// than the ramps of the controller (2 s) and of the drives (0.2 s).
 const RAMP_OUT_TICKS: u64 = 2_500;
-
-/// Scene pictures in the log, every so many ticks (20 Hz).
-const SCENE_EVERY: u64 = 50;
 
 /// Rides `ride` with the controller behind `port`. `watch` is called every tick and returns false
 /// to stop the ride.
@@ -141,7 +139,14 @@ pub fn ride(
         let (row, rider) = bench.step(now, &truth, answer.as_ref());
         sums.add(&row, &rider, TICK_S);
         if let Some(log) = &mut logger {
-            log.tick(now, tick, &row, &rider, &frame, answer.as_ref().map(|a| &a.output))?;
+            log.tick(
+                now,
+                tick,
+                &row,
+                &rider,
+                &frame,
+                answer.as_ref().map(|a| &a.output),
+            )?;
         }
         tick += 1;
     };
@@ -162,7 +167,12 @@ pub fn ride(
         return Err(error.into());
     }
     let (digest, log) = summary.map_or((String::new(), None), |s| (s.digest, Some(s.path)));
-    Ok(Outcome { ending, metrics, digest, log })
+    Ok(Outcome {
+        ending,
+        metrics,
+        digest,
+        log,
+    })
 }
 
 /// Everything on the plant's side of the link.
@@ -180,11 +190,17 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(ride: &'a Ride) -> Result<Self, SetupError> {
         let bicycle = ride.bicycle()?;
-        let plant = ride.course.plant.build(&bicycle, ride.course.speed_m_s(0.0))?;
+        let plant = ride
+            .course
+            .plant
+            .build(&bicycle, ride.course.speed_m_s(0.0))?;
         let rider = ride
             .rider
             .start(ride.course.seed, TICK_S)
-            .map_err(|source| SetupError::Rider { origin: ride.course.rider.clone(), source })?;
+            .map_err(|source| SetupError::Rider {
+                origin: ride.course.rider.clone(),
+                source,
+            })?;
         Ok(Self {
             ride,
             plant,
@@ -199,7 +215,9 @@ impl<'a> Bench<'a> {
 
     /// What the controller is told at `now`.
     fn frame(&mut self, now: Instant, tick: u64, state: RideState, truth: &Truth) -> PlantFrame {
-        let measurement: Measurement = self.sensors.sample(now, &SensorTruth::new(truth, &self.power_out));
+        let measurement: Measurement = self
+            .sensors
+            .sample(now, &SensorTruth::new(truth, &self.power_out));
         PlantFrame {
             header: Header {
                 protocol_hash: PROTOCOL_HASH,
@@ -226,7 +244,12 @@ impl<'a> Bench<'a> {
     }
 
     /// Goes on by one tick under the controller's answer; `None` is silence.
-    fn step(&mut self, now: Instant, truth: &Truth, answer: Option<&ControllerFrame>) -> (TruthRow, RiderRow) {
+    fn step(
+        &mut self,
+        now: Instant,
+        truth: &Truth,
+        answer: Option<&ControllerFrame>,
+    ) -> (TruthRow, RiderRow) {
         let wanted_speed_m_s = self.ride.course.speed_m_s(now.as_secs_f64());
         let action = self.rider.act(&perception(truth, wanted_speed_m_s), TICK_S);
         self.power_out = self.power.step(
@@ -274,128 +297,5 @@ fn perception(t: &Truth, wanted_speed_m_s: f64) -> Perception {
         yaw_rad: t.yaw_rad,
         speed_m_s: t.speed_m_s,
         wanted_speed_m_s,
-    }
-}
-
-/// The log of a ride.
-struct Logger {
-    log: RideLog,
-    truth: Topic<TruthRow>,
-    rider: Topic<RiderRow>,
-    measurement: Topic<Measurement>,
-    intent: Topic<RiderIntent>,
-    output: Topic<Output>,
-    health: u32,
-    mode: u32,
-}
-
-impl Logger {
-    fn create(path: &std::path::Path, ride: &Ride, settings: &Settings) -> Result<Self, RideError> {
-        let config = ride.to_toml();
-        let metadata = Metadata {
-            version: settings.version.clone(),
-            git_hash: settings.git_hash.clone(),
-            config_digest: twinhub_log::digest_text(&config),
-            seed: ride.course.seed,
-            extra: [
-                ("course", ride.name.clone()),
-                ("bicycle", ride.bicycle.name.clone()),
-                ("rider", ride.course.rider.clone()),
-                ("law", ride.course.law.clone()),
-                ("stabilizer", if ride.stabilizer_on { "on" } else { "off" }.to_owned()),
-            ]
-            .map(|(key, value)| (key.to_owned(), value))
-            .into(),
-        };
-        let mut log = RideLog::create(path, &metadata, &config)?;
-        let p = &ride.bicycle.parameters;
-        log.scene_topic(twinhub_log::BicycleShape {
-            wheelbase_m: p.w,
-            steer_axis_tilt_rad: p.lam,
-            trail_m: p.c,
-            rear_radius_m: p.rR,
-            front_radius_m: p.rF,
-        })?;
-        Ok(Self {
-            truth: log.topic(twinhub_log::PLANT_TRUTH, Digest::Digested)?,
-            rider: log.topic(twinhub_log::RIDER_STATE, Digest::Digested)?,
-            measurement: log.topic(twinhub_log::SENSOR_MEASUREMENT, Digest::Digested)?,
-            intent: log.topic(twinhub_log::RIDER_INTENT, Digest::Digested)?,
-            output: log.topic(twinhub_log::CONTROL_OUTPUT, Digest::Digested)?,
-            log,
-            health: 0,
-            mode: u32::MAX,
-        })
-    }
-
-    fn tick(
-        &mut self,
-        now: Instant,
-        tick: u64,
-        truth: &TruthRow,
-        rider: &RiderRow,
-        frame: &PlantFrame,
-        output: Option<&Output>,
-    ) -> Result<(), RideError> {
-        self.log.write(self.truth, now, truth)?;
-        self.log.write(self.rider, now, rider)?;
-        self.log.write(self.measurement, now, &frame.measurement)?;
-        self.log.write(self.intent, now, &frame.intent)?;
-        if tick.is_multiple_of(SCENE_EVERY) {
-            self.log.scene(
-                now,
-                &ScenePose {
-                    x_m: truth.x_m,
-                    y_m: truth.y_m,
-                    yaw_rad: truth.yaw_rad,
-                    roll_rad: truth.roll_rad,
-                    steer_rad: truth.steer_rad,
-                    rear_turned_rad: truth.rear_wheel_rate_rad_s * now.as_secs_f64(),
-                    front_turned_rad: truth.front_wheel_rate_rad_s * now.as_secs_f64(),
-                },
-            )?;
-        }
-        match output {
-            Some(output) => {
-                self.log.write(self.output, now, output)?;
-                self.health_events(now, output)
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// An event for every change of mode and every flag that rises or falls.
-    fn health_events(&mut self, now: Instant, output: &Output) -> Result<(), RideError> {
-        if output.mode != self.mode {
-            self.mode = output.mode;
-            let mode = twinhub_types::Mode::from_u32(output.mode).name();
-            self.event(now, Level::Info, "supervisor.mode", &format!("mode: {mode}"))?;
-        }
-        let changed = output.health ^ self.health;
-        if changed != 0 {
-            for entry in twinhub_types::Health::TABLE {
-                let bit = entry.flag.bits();
-                if changed & bit != 0 {
-                    let code = format!("supervisor.{}", entry.code);
-                    if output.health & bit != 0 {
-                        self.event(now, Level::Warning, &code, entry.cause)?;
-                    } else {
-                        self.event(now, Level::Info, &code, "cleared")?;
-                    }
-                }
-            }
-            self.health = output.health;
-        }
-        Ok(())
-    }
-
-    fn event(&mut self, at: Instant, level: Level, code: &str, text: &str) -> Result<(), RideError> {
-        Ok(self.log.event(at, &Event { level, code, text })?)
-    }
-
-    fn finish(mut self, metrics: &Metrics) -> Result<twinhub_log::LogSummary, RideError> {
-        self.log.note("fell", &metrics.fell.to_string());
-        self.log.note("ticks", &metrics.ticks.to_string());
-        Ok(self.log.finish()?)
     }
 }

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use twinhub_linear::Bicycle;
 use twinhub_plant::PlantModel;
 use twinhub_plant::benchmark::{Benchmark, Resistance};
+use twinhub_plant::disturbance::{Disturbance, Disturbances, Places, Timed};
 use twinhub_plant::motor::{self, PowerTrain};
 use twinhub_plant::sensor::{self, SensorSuite};
-use twinhub_plant::disturbance::{Disturbance, Disturbances, Places, Timed};
 
 /// A course file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,11 +71,17 @@ impl PlantChoice {
     ///
     /// # Errors
     /// If the bicycle's values cannot be.
-    pub fn build(&self, bicycle: &Bicycle, speed_m_s: f64) -> Result<Box<dyn PlantModel>, SetupError> {
+    pub fn build(
+        &self,
+        bicycle: &Bicycle,
+        speed_m_s: f64,
+    ) -> Result<Box<dyn PlantModel>, SetupError> {
         match self {
-            Self::Benchmark(choice) => {
-                Ok(Box::new(Benchmark::new(bicycle, choice.resistance, speed_m_s)?))
-            }
+            Self::Benchmark(choice) => Ok(Box::new(Benchmark::new(
+                bicycle,
+                choice.resistance,
+                speed_m_s,
+            )?)),
         }
     }
 
@@ -94,27 +100,56 @@ impl Course {
     /// The first number that is out of range, with its key.
     pub fn check(&self, origin: &str) -> Result<(), SetupError> {
         let bad = |key: String, found: String, accepted| {
-            Err(SetupError::OutOfRange { origin: origin.into(), key, found, accepted })
+            Err(SetupError::OutOfRange {
+                origin: origin.into(),
+                key,
+                found,
+                accepted,
+            })
         };
         if self.schema_version != 1 {
-            return bad("schema_version".into(), self.schema_version.to_string(), "1");
+            return bad(
+                "schema_version".into(),
+                self.schema_version.to_string(),
+                "1",
+            );
         }
         if !(self.duration_s > 0.0 && self.duration_s <= 36_000.0) {
-            return bad("duration_s".into(), self.duration_s.to_string(), "above 0, at most 36000 s");
+            return bad(
+                "duration_s".into(),
+                self.duration_s.to_string(),
+                "above 0, at most 36000 s",
+            );
         }
         if self.speed.is_empty() {
             return bad("speed".into(), "empty".into(), "at least one point");
         }
         for (i, point) in self.speed.iter().enumerate() {
             if !(point.speed_m_s >= 0.3 && point.speed_m_s <= 20.0) {
-                return bad(format!("speed.{i}.speed_m_s"), point.speed_m_s.to_string(), "0.3 to 20 m/s");
+                return bad(
+                    format!("speed.{i}.speed_m_s"),
+                    point.speed_m_s.to_string(),
+                    "0.3 to 20 m/s",
+                );
             }
-            let before = if i == 0 { f64::NEG_INFINITY } else { self.speed[i - 1].t_s };
+            let before = if i == 0 {
+                f64::NEG_INFINITY
+            } else {
+                self.speed[i - 1].t_s
+            };
             if !(point.t_s > before && point.t_s.is_finite()) {
-                return bad(format!("speed.{i}.t_s"), point.t_s.to_string(), "finite, later than the point before");
+                return bad(
+                    format!("speed.{i}.t_s"),
+                    point.t_s.to_string(),
+                    "finite, later than the point before",
+                );
             }
         }
-        let Resistance { rolling_ratio, drag_area_m2, air_density_kg_m3 } = match &self.plant {
+        let Resistance {
+            rolling_ratio,
+            drag_area_m2,
+            air_density_kg_m3,
+        } = match &self.plant {
             PlantChoice::Benchmark(choice) => choice.resistance,
         };
         for (key, value, most, accepted) in [
@@ -123,7 +158,11 @@ impl Course {
             ("air_density_kg_m3", air_density_kg_m3, 2.0, "0 to 2 kg/m³"),
         ] {
             if !(value >= 0.0 && value <= most) {
-                return bad(format!("plant.benchmark.resistance.{key}"), value.to_string(), accepted);
+                return bad(
+                    format!("plant.benchmark.resistance.{key}"),
+                    value.to_string(),
+                    accepted,
+                );
             }
         }
         Ok(())
@@ -134,11 +173,17 @@ impl Course {
     /// # Errors
     /// If a number is out of range, or the plant cannot take such a disturbance.
     pub fn build_disturbances(&self, places: &Places) -> Result<Disturbances, SetupError> {
-        let bad = |detail: String| SetupError::Format { origin: "course".into(), detail };
+        let bad = |detail: String| SetupError::Format {
+            origin: "course".into(),
+            detail,
+        };
         let rig = |t: &Timed| matches!(t.what, Disturbance::RigMultisine(_));
         if matches!(self.plant, PlantChoice::Benchmark(_)) && self.disturbance.iter().any(rig) {
-            return Err(bad("`rig_multisine` moves the road under the rear wheel, which the benchmark plant \
-                 does not have; use `multisine_force`".into()));
+            return Err(bad(
+                "`rig_multisine` moves the road under the rear wheel, which the benchmark plant \
+                 does not have; use `multisine_force`"
+                    .into(),
+            ));
         }
         Disturbances::new(&self.disturbance, places, self.seed).map_err(|e| bad(e.to_string()))
     }
@@ -148,9 +193,14 @@ impl Course {
     /// # Errors
     /// If no suite has that name.
     pub fn build_sensors(&self, rear_radius_m: f64) -> Result<SensorSuite, SetupError> {
-        let suite = sensor::sets::named(&self.sensors).ok_or_else(|| unknown("sensor suite", &self.sensors, sensor::sets::SUITES))?;
-        SensorSuite::new(&suite.with_rear_radius_m(rear_radius_m), self.seed)
-            .map_err(|e| SetupError::Format { origin: format!("sensor suite `{}`", self.sensors), detail: e.to_string() })
+        let suite = sensor::sets::named(&self.sensors)
+            .ok_or_else(|| unknown("sensor suite", &self.sensors, sensor::sets::SUITES))?;
+        SensorSuite::new(&suite.with_rear_radius_m(rear_radius_m), self.seed).map_err(|e| {
+            SetupError::Format {
+                origin: format!("sensor suite `{}`", self.sensors),
+                detail: e.to_string(),
+            }
+        })
     }
 
     /// Motor drives and battery.
@@ -158,9 +208,12 @@ impl Course {
     /// # Errors
     /// If no set has that name.
     pub fn build_motors(&self) -> Result<PowerTrain, SetupError> {
-        let set = motor::sets::named(&self.motors).ok_or_else(|| unknown("motor set", &self.motors, motor::sets::SETS))?;
-        PowerTrain::new(&set)
-            .map_err(|e| SetupError::Format { origin: format!("motor set `{}`", self.motors), detail: e.to_string() })
+        let set = motor::sets::named(&self.motors)
+            .ok_or_else(|| unknown("motor set", &self.motors, motor::sets::SETS))?;
+        PowerTrain::new(&set).map_err(|e| SetupError::Format {
+            origin: format!("motor set `{}`", self.motors),
+            detail: e.to_string(),
+        })
     }
 
     /// The speed that the course asks for at `t_s`, m/s.
@@ -178,5 +231,9 @@ impl Course {
 }
 
 fn unknown(kind: &'static str, found: &str, sets: &[(&'static str, &str)]) -> SetupError {
-    SetupError::NotFound { kind, found: found.into(), shipped: sets.iter().map(|(name, _)| *name).collect() }
+    SetupError::NotFound {
+        kind,
+        found: found.into(),
+        shipped: sets.iter().map(|(name, _)| *name).collect(),
+    }
 }

@@ -87,7 +87,9 @@ pub enum RideError {
     #[error(transparent)]
     Log(#[from] twinhub_log::LogError),
     /// The plant gave a number that is none; the log ends there.
-    #[error("the plant's state is not finite at tick {tick}; this is a fault of the model, not of the ride")]
+    #[error(
+        "the plant's state is not finite at tick {tick}; this is a fault of the model, not of the ride"
+    )]
     NotFinite {
         /// The tick.
         tick: u64,

@@ -10,6 +10,7 @@ pub mod closed_loop;
 mod controller;
 pub mod course;
 mod error;
+mod logger;
 pub mod metrics;
 mod overrides;
 pub mod record;

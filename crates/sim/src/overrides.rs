@@ -18,11 +18,18 @@ impl Override {
     /// # Errors
     /// If there is no `=` or no path.
     pub fn parse(text: &str) -> Result<Self, SetupError> {
-        let bad = |detail: &str| SetupError::Override { assignment: text.into(), detail: detail.into() };
-        let (path, value) = text.split_once('=').ok_or_else(|| bad("expected path=value"))?;
+        let bad = |detail: &str| SetupError::Override {
+            assignment: text.into(),
+            detail: detail.into(),
+        };
+        let (path, value) = text
+            .split_once('=')
+            .ok_or_else(|| bad("expected path=value"))?;
         let mut path: Vec<String> = path.trim().split('.').map(str::to_owned).collect();
         if path.iter().any(String::is_empty) {
-            return Err(bad("expected path=value, with a path such as `rider.rider.steer_torque.delay_s`"));
+            return Err(bad(
+                "expected path=value, with a path such as `rider.rider.steer_torque.delay_s`",
+            ));
         }
         let part = match path[0].as_str() {
             "rider" if path.len() > 1 => "rider",
@@ -37,7 +44,12 @@ impl Override {
             .ok()
             .and_then(|mut table| table.remove("v"))
             .unwrap_or_else(|| Value::String(value.to_owned()));
-        Ok(Self { text: text.to_owned(), part, path, value })
+        Ok(Self {
+            text: text.to_owned(),
+            part,
+            path,
+            value,
+        })
     }
 
     /// The file that it changes: `course`, `rider` or `law`.
@@ -53,7 +65,10 @@ impl Override {
 
 /// Changes the key; it has to exist, so that a typo is noticed.
 pub fn apply(tree: &mut Value, o: &Override) -> Result<(), SetupError> {
-    let bad = |detail: String| SetupError::Override { assignment: o.text.clone(), detail };
+    let bad = |detail: String| SetupError::Override {
+        assignment: o.text.clone(),
+        detail,
+    };
     let mut place = tree;
     for (depth, key) in o.path.iter().enumerate() {
         let known = match &*place {
@@ -67,7 +82,11 @@ pub fn apply(tree: &mut Value, o: &Override) -> Result<(), SetupError> {
             _ => None,
         };
         place = next.ok_or_else(|| {
-            let above = if depth == 0 { "the file".to_owned() } else { format!("`{}`", o.path[..depth].join(".")) };
+            let above = if depth == 0 {
+                "the file".to_owned()
+            } else {
+                format!("`{}`", o.path[..depth].join("."))
+            };
             bad(format!("no `{key}` in {above}, which has: {known}"))
         })?;
     }
@@ -84,7 +103,8 @@ mod tests {
     use super::*;
 
     fn set(assignment: &str) -> Result<Value, SetupError> {
-        let mut tree: Value = toml::from_str("a = 1.5\n[b]\nc = \"x\"\nd = [{ e = 2 }]").expect("TOML");
+        let mut tree: Value =
+            toml::from_str("a = 1.5\n[b]\nc = \"x\"\nd = [{ e = 2 }]").expect("TOML");
         apply(&mut tree, &Override::parse(assignment)?)?;
         Ok(tree)
     }
@@ -92,8 +112,14 @@ mod tests {
     #[test]
     fn keys_are_found_by_path_also_in_lists() {
         assert_eq!(set("a=2").expect("ok")["a"].as_float(), Some(2.0));
-        assert_eq!(set("b.c=name").expect("ok")["b"]["c"].as_str(), Some("name"));
-        assert_eq!(set("b.d.0.e = 7").expect("ok")["b"]["d"][0]["e"].as_integer(), Some(7));
+        assert_eq!(
+            set("b.c=name").expect("ok")["b"]["c"].as_str(),
+            Some("name")
+        );
+        assert_eq!(
+            set("b.d.0.e = 7").expect("ok")["b"]["d"][0]["e"].as_integer(),
+            Some(7)
+        );
     }
 
     #[test]

@@ -50,20 +50,27 @@ impl Ride {
     /// # Errors
     /// Whatever is wrong with the files, with file, place, what was found and what is accepted.
     pub fn load(course: &str, assignments: &[String]) -> Result<Self, SetupError> {
-        let overrides: Vec<Override> =
-            assignments.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
+        let overrides: Vec<Override> = assignments
+            .iter()
+            .map(|text| Override::parse(text))
+            .collect::<Result<_, _>>()?;
         let of = |part: &str| -> Vec<&Override> {
             overrides.iter().filter(|o| o.part() == part).collect()
         };
         let (origin, text) = find("course", course, shipped::COURSES)?;
-        let name = Path::new(course).file_stem().map_or(course.to_owned(), |s| s.to_string_lossy().into_owned());
+        let name = Path::new(course)
+            .file_stem()
+            .map_or(course.to_owned(), |s| s.to_string_lossy().into_owned());
         let course: Course = read(&origin, &text, &of("course"))?;
         course.check(&origin)?;
         let (origin, text) = find("rider", &course.rider, shipped::RIDERS)?;
         let rider: RiderFile = read(&origin, &text, &of("rider"))?;
         rider
             .start(course.seed, crate::TICK_S)
-            .map_err(|source| SetupError::Rider { origin: origin.clone(), source })?;
+            .map_err(|source| SetupError::Rider {
+                origin: origin.clone(),
+                source,
+            })?;
         let (origin, text) = find("law", &course.law, shipped::LAWS)?;
         let mut law: Config = read(&origin, &text, &of("law"))?;
         let bicycle = Bicycle::load(course.plant.bicycle())?;
@@ -71,7 +78,10 @@ impl Ride {
         course.build_disturbances(&places(&bicycle))?;
         course.build_sensors(bicycle.parameters.rR)?;
         course.build_motors()?;
-        law.check().map_err(|e| SetupError::Law { origin, detail: e.to_string() })?;
+        law.check().map_err(|e| SetupError::Law {
+            origin,
+            detail: e.to_string(),
+        })?;
         Ok(Self {
             name,
             stabilizer_on: true,
@@ -88,7 +98,10 @@ impl Ride {
 
     /// The same ride with the stabilizer switched on or off.
     pub fn with_stabilizer(&self, on: bool) -> Self {
-        Self { stabilizer_on: on, ..self.clone() }
+        Self {
+            stabilizer_on: on,
+            ..self.clone()
+        }
     }
 
     /// The ride as TOML, as the log's attachment holds it.
@@ -103,7 +116,11 @@ impl Ride {
 
     /// The bicycle that is ridden.
     pub fn bicycle(&self) -> Result<Bicycle, SetupError> {
-        Ok(Bicycle::new(&self.bicycle.name, &self.bicycle.source, self.bicycle.parameters)?)
+        Ok(Bicycle::new(
+            &self.bicycle.name,
+            &self.bicycle.source,
+            self.bicycle.parameters,
+        )?)
     }
 }
 
@@ -111,7 +128,10 @@ impl Ride {
 /// the wheelbase before the rear contact, 0.9 m high.
 pub fn places(bicycle: &Bicycle) -> Places {
     let p = &bicycle.parameters;
-    Places { frame_centre_m: [p.xB, -p.zB], saddle_m: [0.2 * p.w, 0.9] }
+    Places {
+        frame_centre_m: [p.xB, -p.zB],
+        saddle_m: [0.2 * p.w, 0.9],
+    }
 }
 
 /// What the controller is told about the bicycle, rider on it.
@@ -138,15 +158,25 @@ fn find(kind: &'static str, what: &str, table: &[Shipped]) -> Result<(String, St
     }
     let path = Path::new(what);
     if !path.exists() {
-        return Err(SetupError::NotFound { kind, found: what.into(), shipped: shipped::names(table) });
+        return Err(SetupError::NotFound {
+            kind,
+            found: what.into(),
+            shipped: shipped::names(table),
+        });
     }
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| SetupError::Unreadable { path: path.into(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| SetupError::Unreadable {
+        path: path.into(),
+        source,
+    })?;
     Ok((what.to_owned(), text))
 }
 
 /// Reads a file strictly, then once more with the assignments applied.
-fn read<T: DeserializeOwned>(origin: &str, text: &str, overrides: &[&Override]) -> Result<T, SetupError> {
+fn read<T: DeserializeOwned>(
+    origin: &str,
+    text: &str,
+    overrides: &[&Override],
+) -> Result<T, SetupError> {
     let as_it_is: T = toml::from_str(text).map_err(|e| SetupError::Format {
         origin: origin.into(),
         detail: e.to_string().trim_end().to_owned(),
@@ -154,13 +184,20 @@ fn read<T: DeserializeOwned>(origin: &str, text: &str, overrides: &[&Override]) 
     if overrides.is_empty() {
         return Ok(as_it_is);
     }
-    let mut tree: toml::Value = toml::from_str(text)
-        .map_err(|e| SetupError::Format { origin: origin.into(), detail: e.to_string() })?;
+    let mut tree: toml::Value = toml::from_str(text).map_err(|e| SetupError::Format {
+        origin: origin.into(),
+        detail: e.to_string(),
+    })?;
     for o in overrides {
         apply(&mut tree, o)?;
     }
-    tree.try_into().map_err(|e: toml::de::Error| SetupError::Override {
-        assignment: overrides.iter().map(|o| o.text()).collect::<Vec<_>>().join(" --set "),
-        detail: e.to_string().trim_end().to_owned(),
-    })
+    tree.try_into()
+        .map_err(|e: toml::de::Error| SetupError::Override {
+            assignment: overrides
+                .iter()
+                .map(|o| o.text())
+                .collect::<Vec<_>>()
+                .join(" --set "),
+            detail: e.to_string().trim_end().to_owned(),
+        })
 }

@@ -20,8 +20,7 @@ pub const COURSES: &[Shipped] = shipped!("../courses/": "first_ride");
 /// Riders that ship.
 pub const RIDERS: &[Shipped] = shipped!("../riders/": "older_6_to_7");
 /// Laws that ship.
-pub const LAWS: &[Shipped] =
-    shipped!("../../control/laws/": "off", "constant", "scheduled");
+pub const LAWS: &[Shipped] = shipped!("../../control/laws/": "off", "constant", "scheduled");
 
 /// The names in a table.
 pub fn names(table: &[Shipped]) -> Vec<&'static str> {

@@ -1,0 +1,153 @@
+//! What a ride writes into its log.
+
+use crate::closed_loop::Settings;
+use crate::error::RideError;
+use crate::metrics::Metrics;
+use crate::record::{RiderRow, TruthRow};
+use crate::setup::Ride;
+use std::path::Path;
+use twinhub_log::{Digest, Event, Level, Metadata, RideLog, ScenePose, Topic};
+use twinhub_types::{Instant, Measurement, Output, PlantFrame, RiderIntent};
+
+/// Scene pictures in the log, every so many ticks (20 Hz).
+const SCENE_EVERY: u64 = 50;
+
+/// The log of a ride.
+pub(crate) struct Logger {
+    log: RideLog,
+    truth: Topic<TruthRow>,
+    rider: Topic<RiderRow>,
+    measurement: Topic<Measurement>,
+    intent: Topic<RiderIntent>,
+    output: Topic<Output>,
+    health: u32,
+    mode: u32,
+}
+
+impl Logger {
+    pub(crate) fn create(path: &Path, ride: &Ride, settings: &Settings) -> Result<Self, RideError> {
+        let config = ride.to_toml();
+        let metadata = Metadata {
+            version: settings.version.clone(),
+            git_hash: settings.git_hash.clone(),
+            config_digest: twinhub_log::digest_text(&config),
+            seed: ride.course.seed,
+            extra: [
+                ("course", ride.name.clone()),
+                ("bicycle", ride.bicycle.name.clone()),
+                ("rider", ride.course.rider.clone()),
+                ("law", ride.course.law.clone()),
+                (
+                    "stabilizer",
+                    if ride.stabilizer_on { "on" } else { "off" }.to_owned(),
+                ),
+            ]
+            .map(|(key, value)| (key.to_owned(), value))
+            .into(),
+        };
+        let mut log = RideLog::create(path, &metadata, &config)?;
+        let p = &ride.bicycle.parameters;
+        log.scene_topic(twinhub_log::BicycleShape {
+            wheelbase_m: p.w,
+            steer_axis_tilt_rad: p.lam,
+            trail_m: p.c,
+            rear_radius_m: p.rR,
+            front_radius_m: p.rF,
+        })?;
+        Ok(Self {
+            truth: log.topic(twinhub_log::PLANT_TRUTH, Digest::Digested)?,
+            rider: log.topic(twinhub_log::RIDER_STATE, Digest::Digested)?,
+            measurement: log.topic(twinhub_log::SENSOR_MEASUREMENT, Digest::Digested)?,
+            intent: log.topic(twinhub_log::RIDER_INTENT, Digest::Digested)?,
+            output: log.topic(twinhub_log::CONTROL_OUTPUT, Digest::Digested)?,
+            log,
+            health: 0,
+            mode: u32::MAX,
+        })
+    }
+
+    pub(crate) fn tick(
+        &mut self,
+        now: Instant,
+        tick: u64,
+        truth: &TruthRow,
+        rider: &RiderRow,
+        frame: &PlantFrame,
+        output: Option<&Output>,
+    ) -> Result<(), RideError> {
+        self.log.write(self.truth, now, truth)?;
+        self.log.write(self.rider, now, rider)?;
+        self.log.write(self.measurement, now, &frame.measurement)?;
+        self.log.write(self.intent, now, &frame.intent)?;
+        if tick.is_multiple_of(SCENE_EVERY) {
+            self.log.scene(
+                now,
+                &ScenePose {
+                    x_m: truth.x_m,
+                    y_m: truth.y_m,
+                    yaw_rad: truth.yaw_rad,
+                    roll_rad: truth.roll_rad,
+                    steer_rad: truth.steer_rad,
+                    rear_turned_rad: truth.rear_wheel_rate_rad_s * now.as_secs_f64(),
+                    front_turned_rad: truth.front_wheel_rate_rad_s * now.as_secs_f64(),
+                },
+            )?;
+        }
+        match output {
+            Some(output) => {
+                self.log.write(self.output, now, output)?;
+                self.health_events(now, output)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// An event for every change of mode and every flag that rises or falls.
+    fn health_events(&mut self, now: Instant, output: &Output) -> Result<(), RideError> {
+        if output.mode != self.mode {
+            self.mode = output.mode;
+            let mode = twinhub_types::Mode::from_u32(output.mode).name();
+            self.event(
+                now,
+                Level::Info,
+                "supervisor.mode",
+                &format!("mode: {mode}"),
+            )?;
+        }
+        let changed = output.health ^ self.health;
+        if changed != 0 {
+            for entry in twinhub_types::Health::TABLE {
+                let bit = entry.flag.bits();
+                if changed & bit != 0 {
+                    let code = format!("supervisor.{}", entry.code);
+                    if output.health & bit != 0 {
+                        self.event(now, Level::Warning, &code, entry.cause)?;
+                    } else {
+                        self.event(now, Level::Info, &code, "cleared")?;
+                    }
+                }
+            }
+            self.health = output.health;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn event(
+        &mut self,
+        at: Instant,
+        level: Level,
+        code: &str,
+        text: &str,
+    ) -> Result<(), RideError> {
+        Ok(self.log.event(at, &Event { level, code, text })?)
+    }
+
+    pub(crate) fn finish(
+        mut self,
+        metrics: &Metrics,
+    ) -> Result<twinhub_log::LogSummary, RideError> {
+        self.log.note("fell", &metrics.fell.to_string());
+        self.log.note("ticks", &metrics.ticks.to_string());
+        Ok(self.log.finish()?)
+    }
+}
