@@ -28,7 +28,7 @@ pub struct Dual<const N: usize, T = f64> {
 
 impl<const N: usize, T: Scalar> Dual<N, T> {
     /// A constant.
-    #[inline(always)]
+    #[inline]
     pub fn constant(re: T) -> Self {
         Self {
             re,

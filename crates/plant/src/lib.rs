@@ -7,6 +7,7 @@ pub mod disturbance;
 pub mod explain;
 pub mod dual;
 pub mod integrate;
+pub mod lanes;
 pub mod motor;
 pub mod multibody;
 pub mod noise;

@@ -77,7 +77,7 @@ macro_rules! registry {
         }
     };
     (@generic [$($variant:ident)*] $gen:ident $bound:path, $method:ident ($($arg:ident : $aty:ty),*) ($($ret:ty)?)) => {
-        #[inline]
+        #[inline(always)]
         fn $method<$gen: $bound>(&self $(, $arg: $aty)*) $(-> $ret)? {
             $crate::registry!(@match self, [$($variant)*], $method, ($($arg),*))
         }

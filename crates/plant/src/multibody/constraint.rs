@@ -16,9 +16,8 @@
 //! Checked by: `linearise` (the benchmark's state matrix to 1e-9), `energy` (1e-6 over 60 s).
 
 use super::contact::{ContactPoint, Ground, contact_points};
-use super::dynamics::{
-    Accelerations, Factored, Forces, Pose, derivative, factor_symmetric, solve_symmetric,
-};
+use super::dynamics::{Accelerations, Forces, Pose, derivative};
+use super::factored::{Factored, factor_symmetric, solve_symmetric};
 use super::inertia::{Spatial, power};
 use super::model::Multibody;
 use super::state::{ANGULAR, ATTITUDE, SPIN, STEER_RATE, State, StateAccess, VELOCITY};

@@ -4,13 +4,16 @@
 //! sin γ = a·n, the contact point C lies at hub + l d, d = (n - a sin γ) / cos γ, where
 //! l = h / cos γ and h is the distance of the hub from the road: the intersection of the road
 //! plane, the wheel plane and the plane through the spin axis (Bulsink 2017, figure 3.3). The
-//! radial deflection is ρ = R - l and the load N = (K ρ + B ρ') / cos γ ≥ 0, whose elastic part
-//! is the derivative of ½ K ρ². Slip: tan α = v_y / s, κ = (Ω l - v_x) / s, s = √(v_x² + v_0²),
+//! radial deflection is ρ = R - l and the load N = K ρ / cos γ + B v_n ≥ 0 with v_n the speed of
+//! C into the road; the elastic part is the derivative of ½ K ρ². Slip: tan α = v_y / s, κ = (Ω l - v_x) / s, s = √(v_x² + v_0²),
 //! with v the velocity of C as a point of fork or frame. With a relaxation length σ the slips are
 //! states: σ dα/dt = v_y - |v_x| α.
 //!
 //! Source: Bulsink (2017), section 3.2.1, figure 3.3; Pacejka (2006), Tyre and Vehicle Dynamics,
 //! sections 2.2 and 7.2.1 (relaxation).
+//!
+//! A bicycle on its side is held by one point of frame and rider at 75° of roll (`lying_wrench`), a
+//! guess that only serves to end a fall.
 //!
 //! Assumes and ignores: a wheel without thickness (the overturning torque stands for it), one
 //! point of contact, a road that is plane over the contact patch. Pitch rate counts as speed of C.
@@ -28,6 +31,23 @@ use crate::tyre::{Tyre, TyreInput, TyreModel, TyreOutput};
 
 /// cos² of the largest camber that the contact geometry follows.
 const FLATTEST_COS2: f64 = 0.067;
+
+/// Deflection up to which the tyre's spring is followed, m: more than a tyre has. A wheel pushed
+/// deeper in a crash is held by the same load.
+const DEEPEST_M: f64 = 0.1;
+/// Load beyond which a tyre is not followed, N: twenty times that of a rider at rest.
+const LARGEST_LOAD_N: f64 = 8.0e3;
+/// Longest lever of force about the vertical axis of the contact, m: half a long contact patch.
+/// Coefficients that follow load, extrapolated, give more in a crash.
+const PATCH_LEVER_M: f64 = 0.05;
+/// Where frame and rider touch the ground when they lie on their side: height above the road and
+/// half width at rest, m. They touch at 75° of roll.
+const LYING_HEIGHT_M: f64 = 0.93;
+const LYING_HALF_WIDTH_M: f64 = 0.25;
+/// Stiffness, damping and friction of that contact, N/m, N s/m: a body with clothes on asphalt.
+const LYING_STIFFNESS_N_M: f64 = 3.0e4;
+const LYING_DAMPING_N_S_M: f64 = 2.0e3;
+const LYING_FRICTION: f64 = 0.6;
 
 /// The road under a wheel: a plane with friction.
 #[derive(Clone, Copy, Debug)]
@@ -177,7 +197,9 @@ pub(super) fn tyre_contact<T: Scalar>(
     let sink = dot(at.velocity, at.down);
     let deflection = T::from_f64(radius) - at.loaded_radius;
     let vertical = tyre.vertical();
-    let spring = deflection.scale(vertical.stiffness_n_m)
+    let spring = deflection
+        .min(T::from_f64(DEEPEST_M))
+        .scale(vertical.stiffness_n_m)
         + (sink * at.inverse_cos).scale(vertical.damping_n_s_m);
     let load = deflection.select((spring * at.inverse_cos).max(zero), zero);
 
@@ -209,6 +231,9 @@ pub(super) fn tyre_contact<T: Scalar>(
         friction_ratio: friction,
         radius_m: radius,
     };
+    let mut output = tyre.output(&input);
+    let most = load.scale(PATCH_LEVER_M);
+    output.aligning_nm = output.aligning_nm.clamp(-most, most);
     WheelContact {
         load_n: load,
         deflection_m: deflection,
@@ -216,7 +241,7 @@ pub(super) fn tyre_contact<T: Scalar>(
         slip_angle_rad: slip_angle,
         camber_rad: camber,
         speed_m_s: speed,
-        tyre: tyre.output(&input),
+        tyre: output,
     }
 }
 
@@ -247,4 +272,39 @@ pub(super) fn wheel_wrench<T: Scalar>(
         ],
         spin,
     )
+}
+
+/// Wrench of the ground on frame and rider lying on their side, so that a fall ends. Zero upright.
+#[inline(always)]
+pub(super) fn lying_wrench<T: Scalar>(
+    tree: &Tree,
+    x: &State<T>,
+    pose: &Pose<T>,
+    ground: &Ground<T>,
+) -> Spatial<T> {
+    use super::state::StateAccess;
+    let down = super::vector::columns_times(&pose.rotation, ground.normal);
+    let z = T::zero();
+    // The side that is lower.
+    let width = T::from_f64(LYING_HALF_WIDTH_M);
+    let at = [
+        T::from_f64(tree.lying_x),
+        down[1].select(width, -width),
+        T::from_f64(-tree.origin[2] - LYING_HEIGHT_M),
+    ];
+    let position = [x[0], x[1], x[2]];
+    let depth = dot(sub(position, ground.point), ground.normal) + dot(at, down);
+    let v = x.base_motion();
+    let speed = add([v[3], v[4], v[5]], cross([v[0], v[1], v[2]], at));
+    let sink = dot(speed, down);
+    let load = depth.select(
+        (depth.scale(LYING_STIFFNESS_N_M) + sink.scale(LYING_DAMPING_N_S_M)).max(z),
+        z,
+    );
+    let slide = sub(speed, scale(down, sink));
+    // Friction turns over smoothly at 0.1 m/s.
+    let grip = load.scale(LYING_FRICTION) / (dot(slide, slide) + T::from_f64(0.01)).sqrt();
+    let force: Vec3<T> = core::array::from_fn(|k| -(down[k] * load) - slide[k] * grip);
+    let turn = cross(at, force);
+    [turn[0], turn[1], turn[2], force[0], force[1], force[2]]
 }

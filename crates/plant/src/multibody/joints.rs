@@ -21,6 +21,10 @@ use super::tree::Tree;
 use super::vector::{Vec3, add, axpy, cross, dot, lift, scale, sub};
 use crate::Scalar;
 
+/// The handlebar's stop: stiff enough to hold it, soft enough for a step of 1 ms.
+const STOP_STIFFNESS_NM_RAD: f64 = 500.0;
+const STOP_DAMPING_NM_S_RAD: f64 = 5.0;
+
 /// Springs and dampers, worked out from the parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Springs {
@@ -30,6 +34,8 @@ pub(super) struct Springs {
     pub bearings: [f64; 2],
     /// Linear arms: stiffness, damping; `None` if both are zero.
     pub arms: Option<LinearArms>,
+    /// Steer angle at which the handlebar stops, rad.
+    pub steer_stop: f64,
     /// True: steer torque of the rider is reacted by the trunk.
     pub torque_on_trunk: bool,
 }
@@ -113,6 +119,7 @@ impl Springs {
                 j.front_wheel.damping_nm_s_rad,
             ],
             arms,
+            steer_stop: p.geometry.steer_stop_rad,
             torque_on_trunk: a.torque_on_trunk,
         }
     }
@@ -131,6 +138,12 @@ impl Springs {
             T::from_f64(preload) - x[q].scale(stiffness) - x[rate].scale(damping)
         };
         forces.steer += spring(0, STEER, STEER_RATE);
+        // Beyond the stop: a stiff spring, damped.
+        let stop = T::from_f64(self.steer_stop);
+        let beyond = x[STEER] - x[STEER].clamp(-stop, stop);
+        let pushed =
+            beyond.scale(STOP_STIFFNESS_NM_RAD) + x[STEER_RATE].scale(STOP_DAMPING_NM_S_RAD);
+        forces.steer -= (beyond * beyond).select(pushed, T::zero());
         for k in 0..3 {
             forces.trunk[k] += spring(1 + k, TRUNK + k, TRUNK_RATE + k);
         }

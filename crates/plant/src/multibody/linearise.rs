@@ -14,7 +14,7 @@
 
 use super::error::MultibodyError;
 use super::model::{Input, Multibody};
-use super::reduced::{NAMES, REDUCED, Reduced, place};
+use super::reduced::{NAMES, Reduced, place};
 use super::steady::{Course, Steady};
 use crate::Scalar;
 use crate::dual::Dual;
@@ -89,7 +89,7 @@ impl Multibody {
         if n <= 14 {
             self.jacobian::<14>(steady, &active, &mut a);
         } else {
-            self.jacobian::<REDUCED>(steady, &active, &mut a);
+            self.jacobian::<28>(steady, &active, &mut a);
         }
         let b = self.input_matrix(steady, &active);
         Linear {
@@ -106,7 +106,7 @@ impl Multibody {
         if active.len() <= 14 {
             self.jacobian::<14>(steady, &active, &mut a);
         } else {
-            self.jacobian::<REDUCED>(steady, &active, &mut a);
+            self.jacobian::<28>(steady, &active, &mut a);
         }
         a
     }
@@ -116,7 +116,7 @@ impl Multibody {
         Ok(self.linearise(&self.steady(course, None)?))
     }
 
-    fn state_names(&self, active: &[usize]) -> Vec<&'static str> {
+    pub(super) fn state_names(&self, active: &[usize]) -> Vec<&'static str> {
         active
             .iter()
             .map(|&k| match k {
@@ -141,7 +141,7 @@ impl Multibody {
     }
 
     fn input_matrix(&self, steady: &Steady, active: &[usize]) -> DMatrix<f64> {
-        type D = Dual<{ INPUTS.len() }>;
+        type D = Dual<14>;
         let mut input: Input<D> = steady.input.lifted();
         let inputs: [&mut D; INPUTS.len()] = {
             let Input {

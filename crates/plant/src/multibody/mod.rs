@@ -4,38 +4,51 @@
 //! its hip-ankle line (2). Any joint can be locked, so rigid rider, passive rider and the
 //! benchmark bicycle are one code. Everything is generic over [`crate::Scalar`].
 
+mod batch;
 mod constraint;
 mod contact;
 mod dynamics;
 mod energy;
 mod error;
+mod factored;
 mod inertia;
 mod joints;
 mod linearise;
+mod map;
 mod model;
 mod modes;
 mod parameters;
+mod paths;
 mod reduced;
+mod ride;
 mod rider_body;
+mod sensitivity;
 mod sets;
 pub mod state;
 mod steady;
+mod symmetry;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod trunk;
 mod validate;
 mod vector;
 
+pub use batch::advance_lanes;
 pub use contact::WheelContact;
 pub use energy::Energy;
 pub use error::MultibodyError;
 pub use linearise::{INPUTS, Linear};
+pub use map::{MapPoint, map};
 pub use model::{Input, Multibody};
 pub use modes::{Change, ModesAt, Sweep};
 pub use parameters::{
     Air, Arms, Body, Geometry, Joint, Joints, Leg, Parameters, Rider, Tyres, Wheel,
 };
+pub use paths::Entry;
+pub use ride::{Ride, mirrored};
 pub use rider_body::{Posture, RiderBody};
+pub use sensitivity::Sensitivity;
 pub use sets::{BULSINK_POSTURE, BulsinkBicycle, Case, Reading};
 pub use state::{STATES, State, StateAccess};
 pub use steady::{Course, Rear, Steady};

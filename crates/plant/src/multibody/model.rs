@@ -11,7 +11,9 @@
 //!
 //! Checked by: the tests of this module and its neighbours.
 
-use super::contact::{Ground, WheelContact, contact_points, tyre_contact, wheel_wrench};
+use super::contact::{
+    Ground, WheelContact, contact_points, lying_wrench, tyre_contact, wheel_wrench,
+};
 use super::dynamics::{Accelerations, Forces, Pose, derivative};
 use super::error::MultibodyError;
 use super::inertia::{Spatial, power};
@@ -115,8 +117,19 @@ impl Multibody {
     }
 
     /// Derivative of the state. Without a road the ground is level with friction 1.
-    #[inline]
     pub fn rhs<T: Scalar>(
+        &self,
+        x: &State<T>,
+        input: &Input<T>,
+        road: Option<&Road>,
+        dx: &mut State<T>,
+    ) {
+        self.rhs_inlined(x, input, road, dx);
+    }
+
+    /// The same, to be compiled into its caller.
+    #[inline(always)]
+    pub(super) fn rhs_inlined<T: Scalar>(
         &self,
         x: &State<T>,
         input: &Input<T>,
@@ -197,8 +210,9 @@ impl Multibody {
         let z = T::zero();
         let (rear, rear_spin) = wheel_wrench(&points[0], [z, T::one(), z], &contacts[0]);
         let (front, front_spin) = wheel_wrench(&points[1], pose.front_axle, &contacts[1]);
+        let lying = lying_wrench(&self.tree, x, pose, &grounds[0]);
         for k in 0..6 {
-            f.wrench[k] += rear[k] + front[k];
+            f.wrench[k] += rear[k] + front[k] + lying[k];
         }
         f.steer += power(&lift(&self.tree.steer.motion), &front);
         f.spin[0] += rear_spin;

@@ -17,7 +17,7 @@ use super::error::MultibodyError;
 use super::linearise::Linear;
 use super::model::Multibody;
 use super::steady::{Course, Steady};
-use twinhub_linear::{Eigenpair, ModeName, follow, name};
+use twinhub_linear::{Eigenpair, ModeName, follow};
 
 /// Modes of the model at one speed.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ impl Multibody {
     pub fn sweep(&self, course: &Course, speeds_m_s: &[f64]) -> Result<Sweep, MultibodyError> {
         let mut points = Vec::with_capacity(speeds_m_s.len());
         let mut last: Option<Steady> = None;
-        let mut linear: Option<Linear> = None;
+        let mut states: Vec<&'static str> = Vec::new();
         for &speed_m_s in speeds_m_s.iter().rev() {
             let steady = self.steady_near(
                 &Course {
@@ -63,46 +63,54 @@ impl Multibody {
                 },
                 last.as_ref(),
             )?;
-            let at = self.linearise(&steady);
-            let modes = at.eigenpairs().map_err(|e| MultibodyError::Eigenvalues {
-                message: e.to_string(),
-            })?;
+            let at = self.lateral_if_straight(&steady);
+            let modes = pairs_of(&at)?;
             points.push(ModesAt { speed_m_s, modes });
             last = Some(steady);
-            linear.get_or_insert(at);
+            states = at.names;
         }
         points.reverse();
-        let Some(linear) = linear else {
+        if points.is_empty() {
             return Ok(Sweep {
                 points,
                 names: Vec::new(),
-                states: Vec::new(),
+                states,
             });
-        };
-        let layout = linear.layout();
+        }
         let family: Vec<Vec<Eigenpair>> = points.iter().map(|p| p.modes.clone()).collect();
-        // Shapes are clear where weave swings and capsize is real: start there.
-        let clear = |pairs: &[Eigenpair]| {
-            let names = name(pairs, &layout);
-            names.contains(&ModeName::Weave) && names.contains(&ModeName::Capsize)
+        // Below its weave speed the bicycle has one unstable slow oscillation: that is weave, whatever
+        // other modes it meets on its way. Without one, shapes decide at the highest speed where
+        // they can.
+        let has = |pairs: &[Eigenpair], mode| name_lateral(pairs, &states).contains(&mode);
+        let swings = |pairs: &[Eigenpair]| pairs.iter().any(|p| unstable_swing(p));
+        let find = |keep: &dyn Fn(&[Eigenpair]) -> bool| {
+            (0..family.len()).rev().find(|&k| keep(&family[k]))
         };
-        let start = (0..family.len())
-            .rev()
-            .find(|&k| clear(&family[k]))
+        let start = find(&|p| swings(p) && has(p, ModeName::Capsize))
+            .or_else(|| find(&|p| has(p, ModeName::Weave) && has(p, ModeName::Capsize)))
             .unwrap_or(family.len() - 1);
-        let names = name(&family[start], &layout);
+        let names = name_lateral(&family[start], &states);
         for (point, order) in points.iter_mut().zip(follow(&family, start)) {
             point.modes = order.iter().map(|&i| point.modes[i].clone()).collect();
         }
         Ok(Sweep {
             points,
             names,
-            states: linear.names,
+            states,
         })
     }
 
+    /// The linearised model; of straight running the lateral part alone.
+    pub(super) fn lateral_if_straight(&self, steady: &Steady) -> Linear {
+        if steady.course.roll_rad == 0.0 {
+            self.lateral(steady)
+        } else {
+            self.linearise(steady)
+        }
+    }
+
     /// A steady state from a guess nearby, or from scratch if that fails.
-    fn steady_near(
+    pub(super) fn steady_near(
         &self,
         course: &Course,
         guess: Option<&Steady>,
@@ -240,6 +248,95 @@ impl Multibody {
                 .map(|c| c.speed_m_s),
         ))
     }
+}
+
+fn pairs_of(linear: &Linear) -> Result<Vec<Eigenpair>, MultibodyError> {
+    linear
+        .eigenpairs()
+        .map_err(|e| MultibodyError::Eigenvalues {
+            message: e.to_string(),
+        })
+}
+
+/// Above this frequency an oscillation of the front assembly is wobble, not weave, rad/s.
+const WEAVE_LIMIT_RAD_S: f64 = 15.0;
+
+/// An unstable oscillation slow enough for weave.
+fn unstable_swing(p: &Eigenpair) -> bool {
+    p.value.re > 0.0 && p.value.im > 0.0 && p.value.im < WEAVE_LIMIT_RAD_S
+}
+
+/// Names of lateral modes. Weave: the slow oscillation with most roll and steer in it. Capsize: the
+/// slowest real mode with more roll than steer. Caster: of the other real modes the one with most
+/// steer.
+fn name_lateral(pairs: &[Eigenpair], states: &[&'static str]) -> Vec<ModeName> {
+    let index = |name: &str| states.iter().position(|s| *s == name);
+    let size = |p: &Eigenpair, i: Option<usize>| i.map_or(0.0, |i| p.shape[i].norm_sqr());
+    let (roll_at, steer_at) = (index("roll_rad"), index("steer_rad"));
+    let angles: Vec<usize> = (0..states.len())
+        .filter(|&i| {
+            (states[i].ends_with("_rad") || states[i] == "height_m")
+                && Some(i) != roll_at
+                && Some(i) != steer_at
+        })
+        .collect();
+    let parts = |p: &Eigenpair| {
+        let others: f64 = angles.iter().map(|&i| p.shape[i].norm_sqr()).sum();
+        let total: f64 = p.shape.iter().map(|z| z.norm_sqr()).sum();
+        (size(p, roll_at), size(p, steer_at), others, total)
+    };
+    let mut names = vec![ModeName::Other; pairs.len()];
+    let best = |score: &dyn Fn(usize) -> f64| {
+        (0..pairs.len())
+            .filter(|&k| score(k) > 0.0)
+            .max_by(|&a, &b| score(a).total_cmp(&score(b)))
+    };
+    let weave = best(&|k| {
+        let (roll, steer, others, _) = parts(&pairs[k]);
+        let slow = pairs[k].value.im > 0.0 && pairs[k].value.im < WEAVE_LIMIT_RAD_S;
+        if unstable_swing(&pairs[k]) {
+            // Before any damped one.
+            2.0 + pairs[k].value.re
+        } else if slow {
+            libm::sqrt(roll * steer) / (roll + steer + others).max(f64::MIN_POSITIVE)
+        } else {
+            0.0
+        }
+    });
+    if let Some(k) = weave {
+        for (name, pair) in names.iter_mut().zip(pairs) {
+            if pair.value == pairs[k].value || pair.value == pairs[k].value.conj() {
+                *name = ModeName::Weave;
+            }
+        }
+    }
+    let capsize = best(&|k| {
+        let (roll, steer, others, total) = parts(&pairs[k]);
+        let real = pairs[k].value.im == 0.0;
+        // Much roll in the configuration, and a configuration that counts beside the rates.
+        if real && roll > steer && roll > 1.0e-6 * total && roll > others {
+            1.0 / (1.0e-9 + pairs[k].value.re.abs())
+        } else {
+            0.0
+        }
+    });
+    if let Some(k) = capsize {
+        names[k] = ModeName::Capsize;
+    }
+    let caster = best(&|k| {
+        let (roll, steer, others, _) = parts(&pairs[k]);
+        let taken =
+            names[k] != ModeName::Other || pairs[k].value.im != 0.0 || pairs[k].value.re >= 0.0;
+        if taken {
+            0.0
+        } else {
+            steer / (roll + steer + others).max(f64::MIN_POSITIVE)
+        }
+    });
+    if let Some(k) = caster {
+        names[k] = ModeName::Caster;
+    }
+    names
 }
 
 /// Index of the mode that continues `mode`.

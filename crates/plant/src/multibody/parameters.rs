@@ -50,6 +50,8 @@ pub struct Geometry {
     pub trail_m: f64,
     /// Steer axis tilt: 90 degrees less the head angle, rad.
     pub steer_tilt_rad: f64,
+    /// Steer angle at which cables, frame or rider stop the handlebar, rad.
+    pub steer_stop_rad: f64,
 }
 
 /// A wheel, axisymmetric.

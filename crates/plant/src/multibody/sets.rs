@@ -13,21 +13,29 @@ use super::rider_body::{Posture, RiderBody};
 use crate::tyre::{NoSlip, Tyre};
 
 /// How the rider of Bulsink (2017) sits on bicycle 1. Saddle height, 0.700 m, is read as length
-/// of the seat tube from the bottom bracket (0.575, 0.250) to the saddle at x = 0.230; hands lie at the published place of fork and forearms.
+/// of the seat tube (0.86 m above the road) from the bottom bracket (0.575, 0.250) to the saddle at x = 0.230; hands lie at the published place of fork and forearms.
 pub const BULSINK_POSTURE: Posture = Posture {
     saddle_x_m: 0.230,
-    saddle_z_m: -0.859,
+    saddle_z_m: -0.849,
     bracket_x_m: 0.575,
     bracket_z_m: -0.250,
-    back_angle_rad: 0.35,
+    back_angle_rad: 0.467,
     grip_x_m: 0.75,
-    grip_y_m: 0.238,
+    // Half the steer width of 0.176 m: with it linear arms of 525 N/m make about the published
+    // 5 Nm/rad of torsional stiffness.
+    grip_y_m: 0.088,
     grip_z_m: -1.05,
+    // What table A.1 leaves for the forearms (3.82 kg) of fork (2.42 kg at 0.980, 0.720) and fork
+    // with forearms (at 0.815, 0.955).
+    forearm_centre_m: Some([0.7105, -1.1039]),
 };
 
 /// Speed below which slip is smoothed, m/s: small against the 0.3 m/s that the model reaches down
 /// to.
 pub const SLIP_SPEED_FLOOR_M_S: f64 = 0.05;
+
+/// Where the handlebar stops, rad: a guess (70°), far beyond any ride.
+pub const STEER_STOP_RAD: f64 = 1.2;
 
 /// The cases of Bulsink (2017), table 3.3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -272,6 +280,7 @@ impl Parameters {
                 wheelbase_m: wheelbase,
                 trail_m: trail,
                 steer_tilt_rad: core::f64::consts::FRAC_PI_2 - head,
+                steer_stop_rad: STEER_STOP_RAD,
             },
             rear_wheel: wheel(rear_mass),
             front_wheel: wheel(front_mass),
@@ -332,6 +341,7 @@ impl Parameters {
                 wheelbase_m: p.w,
                 trail_m: p.c,
                 steer_tilt_rad: p.lam,
+                steer_stop_rad: STEER_STOP_RAD,
             },
             rear_wheel: wheel(p.rR, p.mR, p.IRyy, p.IRxx),
             front_wheel: wheel(p.rF, p.mF, p.IFyy, p.IFxx),
@@ -379,6 +389,7 @@ pub(super) fn frictionless_full() -> Parameters {
         },
         relaxation_length_m: None,
     });
+    p.geometry.steer_stop_rad = 10.0;
     p.tyre.rear = slippery;
     p.tyre.front = slippery;
     p.arms.damping_n_s_m = 0.0;

@@ -19,7 +19,6 @@ use super::error::MultibodyError;
 use super::model::{Input, Multibody};
 use super::reduced::{REDUCED, Reduced, place};
 use super::state::State;
-use crate::Scalar;
 use crate::dual::Dual;
 use crate::tyre::TyreModel;
 use nalgebra::{DMatrix, DVector};
@@ -84,8 +83,10 @@ pub struct Steady {
 const STEPS: usize = 40;
 /// Largest residual of a solution (SI units of the state's derivative).
 const ACCEPTED: f64 = 1.0e-9;
-/// Unknowns at most: the reduced state, steer torque, acceleration or rear torque.
-const UNKNOWNS: usize = 28;
+/// Places that a mirror leaves as they are (of the legs, both).
+fn longitudinal(k: usize) -> bool {
+    matches!(k, 3 | 5..=8 | 11 | 13 | 14 | 16 | 18 | 20..=22 | 25 | 26)
+}
 
 impl Multibody {
     /// A steady state, from a guess nearby if there is one.
@@ -100,14 +101,25 @@ impl Multibody {
                 accepted: "0.05 to 60",
             });
         }
-        let active = self.active();
+        // Rates of joints are zero and need no equation; straight ahead nothing lateral does.
+        let straight = course.roll_rad == 0.0;
+        let counts = |k: &usize| !straight || longitudinal(*k);
+        let rest = |k: usize| {
+            (place::STEER_RATE..place::ANGULAR).contains(&k)
+                || (self.no_slip && k == place::ANGULAR)
+        };
+        let at_rest = |k: usize| {
+            (place::STEER..place::HEIGHT).contains(&k) || (self.no_slip && k == place::ROLL)
+        };
+        let active: Vec<usize> = self.active().into_iter().filter(counts).collect();
         let free: Vec<usize> = active
             .iter()
             .copied()
-            .filter(|&k| k != place::ROLL && k != place::VELOCITY)
+            .filter(|&k| k != place::ROLL && k != place::VELOCITY && !rest(k))
             .collect();
+        let active: Vec<usize> = active.into_iter().filter(|&k| !at_rest(k)).collect();
         let mut r = self.guess(course, guess);
-        let steer_free = self.parameters.joints.steer.free;
+        let steer_free = self.parameters.joints.steer.free && !straight;
         let mut torque = guess.map_or(0.0, |g| g.input.steer_torque_nm);
         // The last unknown: acceleration, or rear torque.
         let mut last = match course.rear {
@@ -121,8 +133,11 @@ impl Multibody {
         let mut previous = f64::INFINITY;
         for iteration in 0..STEPS {
             let n = active.len();
-            let (values, jacobian) =
-                self.residual(course, &active, &free, &r, torque, last, steer_free);
+            let (values, jacobian) = if n <= 14 {
+                self.residual::<14>(course, &active, &free, &r, torque, last, steer_free)
+            } else {
+                self.residual::<28>(course, &active, &free, &r, torque, last, steer_free)
+            };
             residual = values.amax();
             // Converged, or as near as rounding lets it.
             if residual < ACCEPTED && (residual >= 0.5 * previous || residual < 1.0e-13) {
@@ -254,7 +269,7 @@ impl Multibody {
 
     /// Residual and Jacobian of the steady equations.
     #[allow(clippy::too_many_arguments)]
-    fn residual(
+    fn residual<const N: usize>(
         &self,
         course: &Course,
         active: &[usize],
@@ -264,30 +279,30 @@ impl Multibody {
         last: f64,
         steer_free: bool,
     ) -> (DVector<f64>, DMatrix<f64>) {
-        type D = Dual<UNKNOWNS>;
-        let mut dual: Reduced<D> = r.map(D::constant);
+        let constant = Dual::<N>::constant;
+        let mut dual: Reduced<Dual<N>> = r.map(constant);
         for (i, &k) in free.iter().enumerate() {
             dual[k].eps[i] = 1.0;
         }
         let mut at = free.len();
-        let mut steer_torque = D::constant(torque);
+        let mut steer_torque = constant(torque);
         if steer_free {
             steer_torque.eps[at] = 1.0;
             at += 1;
         }
-        let unknown = D::variable(last, at);
+        let unknown = Dual::variable(last, at);
         let (rear, acceleration) = match course.rear {
-            Rear::Torque(rear) => (D::constant(rear), unknown),
-            Rear::HoldSpeed => (unknown, D::constant(0.0)),
+            Rear::Torque(rear) => (constant(rear), unknown),
+            Rear::HoldSpeed => (unknown, constant(0.0)),
         };
         let input = Input {
-            front_brake_nm: D::constant(course.front_brake_nm),
+            front_brake_nm: constant(course.front_brake_nm),
             rear_traction_nm: rear,
             steer_torque_nm: steer_torque,
             ..Input::default()
         };
         let d = self.reduced_rhs(&dual, &input);
-        let per_speed = D::constant(1.0) / dual[place::VELOCITY];
+        let per_speed = constant(1.0) / dual[place::VELOCITY];
         let n = active.len();
         let residual = active.iter().map(|&k| {
             // What grows in proportion to speed.
@@ -298,7 +313,7 @@ impl Multibody {
                 d[k]
             }
         });
-        let residual: Vec<D> = residual.collect();
+        let residual: Vec<Dual<N>> = residual.collect();
         (
             DVector::from_fn(n, |i, _| residual[i].re),
             DMatrix::from_fn(n, n, |i, j| residual[i].eps[j]),

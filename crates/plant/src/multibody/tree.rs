@@ -79,6 +79,8 @@ pub(super) struct Tree {
     pub front_hub: [[f64; 3]; 3],
     /// Front axle direction: cos δ, sin δ.
     pub front_axle: [[f64; 3]; 2],
+    /// Where the bicycle lies on its side, forward of the origin, m.
+    pub lying_x: f64,
     /// From the rear contact point at rest to the base origin, m.
     pub origin: [f64; 3],
 }
@@ -309,6 +311,7 @@ impl Tree {
             ],
             front_hub,
             front_axle: [lateral, cross_const(&axis, &lateral)],
+            lying_x: 0.4 * p.geometry.wheelbase_m,
             origin,
         }
     }

@@ -81,6 +81,13 @@ pub(super) fn validate(p: &Parameters) -> Result<(), MultibodyError> {
         1.5,
         "-1.5 to 1.5",
     )?;
+    within(
+        "geometry.steer_stop_rad",
+        p.geometry.steer_stop_rad,
+        0.1,
+        10.0,
+        "0.1 to 10",
+    )?;
     for (name, wheel) in [
         ("rear_wheel", &p.rear_wheel),
         ("front_wheel", &p.front_wheel),

@@ -68,19 +68,19 @@ const SATURATED: f64 = 1.0e9;
 const ROLLING_TURNOVER_M_S: f64 = 0.02;
 
 /// Load that forces are made of: zero off the ground.
-#[inline]
+#[inline(always)]
 pub(super) fn load<T: Scalar>(load_n: T) -> T {
     load_n.clamp(T::zero(), T::from_f64(LOAD_LIMIT_N))
 }
 
 /// Friction of the road, kept above zero.
-#[inline]
+#[inline(always)]
 pub(super) fn road<T: Scalar>(friction_ratio: T) -> T {
     friction_ratio.max(T::from_f64(FRICTION_FLOOR))
 }
 
 /// sin and cos of C atan(u). With C = 1 both are algebraic.
-#[inline]
+#[inline(always)]
 pub(super) fn shape<T: Scalar>(c: f64, u: T) -> (T, T) {
     let u = u.clamp(T::from_f64(-SATURATED), T::from_f64(SATURATED));
     if c == 1.0 {
@@ -93,7 +93,7 @@ pub(super) fn shape<T: Scalar>(c: f64, u: T) -> (T, T) {
 
 /// Rolling resistance moment Fz r q, against the way the wheel rolls (A2.18). The sign turns over
 /// smoothly below [`ROLLING_TURNOVER_M_S`].
-#[inline]
+#[inline(always)]
 pub(super) fn rolling<T: Scalar>(fz: T, speed_m_s: T, radius_m: f64, ratio: f64) -> T {
     let way = speed_m_s
         .scale(1.0 / ROLLING_TURNOVER_M_S)
@@ -104,7 +104,7 @@ pub(super) fn rolling<T: Scalar>(fz: T, speed_m_s: T, radius_m: f64, ratio: f64)
 impl Combined {
     /// What is left of side force, given the cosine of the longitudinal shape: with
     /// Fx = D sin(θ), √(1 - (Fx/D)²) = cos(θ). Past the peak of Fx it stays zero.
-    #[inline]
+    #[inline(always)]
     pub(super) fn side_force_ratio<T: Scalar>(self, cosine: T) -> T {
         match self {
             Self::None => T::one(),

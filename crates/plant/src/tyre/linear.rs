@@ -48,7 +48,7 @@ pub struct LinearTyre {
 }
 
 impl TyreModel for LinearTyre {
-    #[inline]
+    #[inline(always)]
     fn output<T: Scalar>(&self, input: &TyreInput<T>) -> TyreOutput<T> {
         let fz = contact::load(input.load_n);
         let (alpha, gamma) = (input.slip_angle_rad, input.camber_rad);

@@ -172,7 +172,7 @@ impl MagicFormula {
 }
 
 impl TyreModel for MagicFormula {
-    #[inline]
+    #[inline(always)]
     fn output<T: Scalar>(&self, input: &TyreInput<T>) -> TyreOutput<T> {
         let (alpha, gamma, r) = (input.slip_angle_rad, input.camber_rad, input.radius_m);
         let fz = contact::load(input.load_n);

@@ -166,7 +166,7 @@ impl MagicFormula1989 {
 }
 
 impl TyreModel for MagicFormula1989 {
-    #[inline]
+    #[inline(always)]
     fn output<T: Scalar>(&self, input: &TyreInput<T>) -> TyreOutput<T> {
         let fz = contact::load(input.load_n);
         let [low, high] = self.load_range_n;

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 pub struct NoSlip {}
 
 impl TyreModel for NoSlip {
-    #[inline]
+    #[inline(always)]
     fn output<T: Scalar>(&self, _: &TyreInput<T>) -> TyreOutput<T> {
         TyreOutput::zero()
     }

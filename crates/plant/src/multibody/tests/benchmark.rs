@@ -128,15 +128,67 @@ fn weave_and_capsize_speed_of_the_benchmark() {
 #[test]
 fn cases_of_the_thesis() {
     use crate::multibody::{BulsinkBicycle, Case, Reading};
-    for case in Case::ALL {
-        let parameters = Parameters::bulsink2017(BulsinkBicycle::One, case, &Reading::default());
-        let model = Multibody::new(&parameters).unwrap();
-        let speeds: Vec<f64> = (6..=48).map(|k| 0.25 * f64::from(k)).collect();
-        let course = Course::straight(5.0);
-        let sweep = model.sweep(&course, &speeds).unwrap();
-        println!(
-            "{case:?} {:?}",
-            model.critical_speeds_m_s(&course, &sweep).unwrap()
-        );
+    for k in [0.43, 0.47] {
+        for case in Case::ALL {
+            let reading = Reading {
+                wheel_inertia_ratio: k,
+                ..Reading::default()
+            };
+            let parameters = Parameters::bulsink2017(BulsinkBicycle::One, case, &reading);
+            let model = Multibody::new(&parameters).unwrap();
+            let speeds: Vec<f64> = (6..=48).map(|k| 0.25 * f64::from(k)).collect();
+            let course = Course::straight(5.0);
+            let sweep = model.sweep(&course, &speeds).unwrap();
+            println!(
+                "{k} {case:?} {:?}",
+                model.critical_speeds_m_s(&course, &sweep).unwrap()
+            );
+            for p in sweep.points.iter().step_by(8) {
+                let text: Vec<String> = p
+                    .modes
+                    .iter()
+                    .zip(&sweep.names)
+                    .map(|(m, n)| {
+                        format!("{}:{:.2}{:+.2}i", &n.as_str()[..2], m.value.re, m.value.im)
+                    })
+                    .collect();
+                println!("   {} {}", p.speed_m_s, text.join(" "));
+            }
+        }
+    }
+}
+
+#[test]
+fn lateral_and_longitudinal_do_not_mix() {
+    use crate::multibody::{BulsinkBicycle, Case, Reading};
+    let parameters = Parameters::bulsink2017(BulsinkBicycle::One, Case::Full, &Reading::default());
+    let model = Multibody::new(&parameters).unwrap();
+    let linear = model.linear(&Course::pair(5.0, 60.0)).unwrap();
+    println!("mixing {:e} of {:e}", linear.mixing(), linear.a.amax());
+    assert!(linear.mixing() < 1.0e-9 * linear.a.amax());
+}
+
+#[test]
+fn a_map_agrees_with_single_points() {
+    use crate::multibody::{BulsinkBicycle, Case, Reading, map};
+    let parameters = Parameters::bulsink2017(BulsinkBicycle::One, Case::Full, &Reading::default());
+    let model = Multibody::new(&parameters).unwrap();
+    let rows = map(
+        &model,
+        &[0.0, 40.0, 80.0],
+        &[4.0, 5.0, 6.0, 7.0],
+        2,
+        &|_| {},
+    );
+    for row in &rows {
+        for point in row {
+            let linear = model
+                .linear(&Course::pair(point.speed_m_s, point.torque_nm))
+                .unwrap();
+            let whole = linear.lateral().eigenpairs().unwrap();
+            let growth = whole.iter().map(|p| p.value.re).fold(f64::MIN, f64::max);
+            let ours = point.growth_rad_s().unwrap();
+            assert!((ours - growth).abs() < 1.0e-7, "{ours} against {growth}");
+        }
     }
 }

@@ -1,3 +1,5 @@
 //! The multibody model against the benchmark, against itself, and against its limits.
 
 mod benchmark;
+mod friction;
+mod motion;

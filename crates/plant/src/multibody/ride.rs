@@ -1,0 +1,313 @@
+//! What: the multibody model as a plant that a controller rides on.
+//!
+//! Equation: fourth-order Runge-Kutta. On tyres the fastest motion is a wheel's creep towards
+//! rolling, at rate C R² / (J |v|) with C the longitudinal slip stiffness: a step is divided so
+//! that each part stays inside the method's stability limit (2.78; 2 is used).
+//!
+//! Source: Hairer, Nørsett and Wanner (1993), section IV.2 (stability of explicit methods).
+//!
+//! Assumes and ignores: forces of motors and rider are constant over a step; the rider's pedal force
+//! acts as a torque on the rear wheel, reacted by the frame.
+//!
+//! Valid for: 0.3 to 12 m/s; a fall stays finite.
+//!
+//! Checked by: `multibody/tests`.
+
+use super::contact::WheelContact;
+use super::error::MultibodyError;
+use super::model::{Input, Multibody};
+use super::parameters::Parameters;
+use super::state::{ANGULAR, ATTITUDE, SPIN, STEER, STEER_RATE, State, StateAccess, VELOCITY};
+use super::steady::Course;
+use super::vector::{Vec3, add, columns_times, cross, rows_times, sub};
+use crate::dual::Dual;
+use crate::integrate::rk4;
+use crate::road::Road;
+use crate::truth::{PlantInput, PlantModel, Truth};
+use crate::tyre::{TyreInput, TyreModel};
+
+/// Parts of a step at most.
+const PARTS: f64 = 64.0;
+/// Step times fastest rate that a part may reach.
+const STIFFNESS_LIMIT: f64 = 2.0;
+/// Roll beyond which the bicycle counts as fallen, rad.
+const FALL_ROLL_RAD: f64 = 0.8;
+
+/// A multibody bicycle in motion.
+#[derive(Clone, Debug)]
+pub struct Ride {
+    model: Multibody,
+    road: Option<Road>,
+    state: State,
+    input: Input,
+    /// Creep rate of rear and front wheel times speed, m/s².
+    creep: [f64; 2],
+    /// Accelerometer, coordinates of the parameters, m.
+    sensor_at_m: [f64; 3],
+}
+
+impl Ride {
+    /// Upright and straight at `speed_m_s`, settled on its tyres, motors off. The accelerometer
+    /// sits in the centre of mass of the frame.
+    pub fn new(
+        parameters: &Parameters,
+        road: Option<Road>,
+        speed_m_s: f64,
+    ) -> Result<Self, MultibodyError> {
+        let model = Multibody::new(parameters)?;
+        let steady = model.steady(&Course::straight(speed_m_s), None)?;
+        let (front, rear) = model.static_loads_n();
+        let creep = [model.creep_m_s2(0, rear), model.creep_m_s2(1, front)];
+        let frame = &parameters.frame;
+        let mut state = steady.state;
+        if let Some(road) = &road {
+            state[2] -= road.height_m(0.0, 0.0);
+        }
+        Ok(Self {
+            creep,
+            road,
+            state,
+            input: steady.input,
+            sensor_at_m: [frame.x_m, 0.0, frame.z_m],
+            model,
+        })
+    }
+
+    /// Puts the accelerometer elsewhere on the frame, coordinates of the parameters, m.
+    pub fn with_sensor_at(mut self, at_m: [f64; 3]) -> Self {
+        self.sensor_at_m = at_m;
+        self
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Multibody {
+        &self.model
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Sets the state; without slip it is moved onto the constraints.
+    pub fn set_state(&mut self, state: &State) {
+        self.state = *state;
+        self.model.project(&mut self.state);
+    }
+
+    /// What acted in the last step.
+    pub fn input(&self) -> &Input {
+        &self.input
+    }
+
+    /// Parts into which a step of `step_s` is divided at the speed of now.
+    pub fn parts(&self, step_s: f64) -> usize {
+        let floor = self.model.parameters.tyre.slip_speed_floor_m_s;
+        let (speed, turn) = (self.state[VELOCITY], libm::cos(self.state[STEER]));
+        let reference = |v: f64| libm::sqrt(v * v + floor * floor);
+        let rate = (self.creep[0] / reference(speed)).max(self.creep[1] / reference(speed * turn));
+        (rate * step_s / STIFFNESS_LIMIT).clamp(1.0, PARTS).ceil() as usize
+    }
+
+    /// Goes on by `step_s` seconds under `input`.
+    pub fn advance(&mut self, input: &Input, step_s: f64) {
+        self.input = *input;
+        let parts = self.parts(step_s);
+        let (model, road) = (&self.model, self.road.as_ref());
+        for _ in 0..parts {
+            rk4(&mut self.state, step_s / parts as f64, |x, dx| {
+                model.rhs(x, input, road, dx)
+            });
+            model.project(&mut self.state);
+        }
+    }
+
+    /// Contacts of rear and front wheel; of a wheel without slip the load alone is meaningful.
+    pub fn contacts(&self) -> [WheelContact<f64>; 2] {
+        let mut dx = [0.0; super::STATES];
+        self.model
+            .observed(&self.state, &self.input, self.road.as_ref(), &mut dx)
+    }
+
+    /// Torques and forces of a tick as the model takes them.
+    pub fn inputs(&self, input: &PlantInput) -> Input {
+        let radius = self.model.tree.wheels[0].radius;
+        Input {
+            front_brake_nm: input.front_brake_nm,
+            rear_traction_nm: input.rear_traction_nm + input.pedal_force_n * radius,
+            steer_torque_nm: input.steer_torque_nm,
+            force_n: [0.0, input.lateral_force_n, 0.0],
+            force_at_m: [input.lateral_force_x_m, 0.0, -input.lateral_force_height_m],
+            moment_nm: [input.roll_torque_nm, 0.0, input.yaw_torque_nm],
+            ..self.input.without_rider()
+        }
+    }
+}
+
+impl Input<f64> {
+    /// The same wind, nothing else.
+    fn without_rider(&self) -> Self {
+        Self {
+            wind_m_s: self.wind_m_s,
+            ..Self::default()
+        }
+    }
+}
+
+impl Multibody {
+    /// Rate times speed at which a wheel's creep dies out: longitudinal slip stiffness times
+    /// R² / J. Zero without slip, or if slip is relaxed.
+    fn creep_m_s2(&self, wheel: usize, load_n: f64) -> f64 {
+        let (part, tyre) = (&self.tree.wheels[wheel], &self.tyres[wheel]);
+        if self.no_slip || tyre.relaxation_length_m().is_some() || part.spin_inertia == 0.0 {
+            return 0.0;
+        }
+        let constant = Dual::<1>::constant;
+        let input = TyreInput {
+            // Load transfer adds to the static load.
+            load_n: constant(1.3 * load_n),
+            slip_ratio: Dual::variable(0.0, 0),
+            slip_angle_rad: constant(0.0),
+            camber_rad: constant(0.0),
+            speed_m_s: constant(1.0),
+            friction_ratio: constant(1.0),
+            radius_m: part.radius,
+        };
+        tyre.output(&input).longitudinal_n.eps[0] * part.radius * part.radius * part.inverse_inertia
+    }
+
+    /// Derivative of the state, and contacts.
+    pub(super) fn observed(
+        &self,
+        x: &State,
+        input: &Input,
+        road: Option<&Road>,
+        dx: &mut State,
+    ) -> [WheelContact<f64>; 2] {
+        let pose = self.tree.pose(x);
+        let grounds = self.grounds(x, &pose, road);
+        let (forces, contacts) = self.forces(x, input, &pose, &grounds, dx);
+        if let Some(contacts) = contacts {
+            let factored = self.tree.factor(x, &pose, self.parameters.gravity_m_s2);
+            super::dynamics::derivative(x, &pose, &factored.accelerations(&self.tree, &forces), dx);
+            return contacts;
+        }
+        let lambda = self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
+        let points = super::contact::contact_points(&self.tree, x, &pose, &grounds, true);
+        core::array::from_fn(|k| {
+            let mut tyre = crate::tyre::TyreOutput::zero();
+            tyre.longitudinal_n = lambda[3 * k];
+            tyre.lateral_n = lambda[3 * k + 1];
+            WheelContact {
+                load_n: -lambda[3 * k + 2],
+                deflection_m: 0.0,
+                slip_ratio: 0.0,
+                slip_angle_rad: 0.0,
+                camber_rad: libm::atan(points[k].sin_camber * points[k].inverse_cos),
+                speed_m_s: super::vector::dot(points[k].velocity, points[k].forward),
+                tyre,
+            }
+        })
+    }
+
+    /// What is true in state `x` under `input`; the accelerometer at `sensor_at_m`.
+    pub fn truth(
+        &self,
+        x: &State,
+        input: &Input,
+        road: Option<&Road>,
+        sensor_at_m: [f64; 3],
+    ) -> Truth {
+        let mut dx = [0.0; super::STATES];
+        let contacts = self.observed(x, input, road, &mut dx);
+        let pose = self.tree.pose(x);
+        let points = super::contact::contact_points(
+            &self.tree,
+            x,
+            &pose,
+            &self.grounds(x, &pose, road),
+            self.no_slip,
+        );
+        let (yaw, roll, pitch) = x.yaw_roll_pitch_rad();
+        let ((_, cr), (sp, cp)) = (libm::sincos(roll), libm::sincos(pitch));
+        let w: Vec3<f64> = [x[ANGULAR], x[ANGULAR + 1], x[ANGULAR + 2]];
+        let v: Vec3<f64> = [x[VELOCITY], x[VELOCITY + 1], x[VELOCITY + 2]];
+        // Acceleration of the sensor less gravity, frame axes.
+        let at = sub(sensor_at_m, self.tree.origin);
+        let alpha = [dx[ANGULAR], dx[ANGULAR + 1], dx[ANGULAR + 2]];
+        let linear = add(
+            [dx[VELOCITY], dx[VELOCITY + 1], dx[VELOCITY + 2]],
+            cross(w, v),
+        );
+        let sensed = add(linear, add(cross(alpha, at), cross(w, cross(w, at))));
+        let gravity = columns_times(&pose.rotation, [0.0, 0.0, self.parameters.gravity_m_s2]);
+        let contact = rows_times(&pose.rotation, points[0].arm);
+        Truth {
+            roll_rad: roll,
+            steer_rad: x[STEER],
+            yaw_rad: yaw,
+            pitch_rad: pitch,
+            roll_rate_rad_s: cp * w[0] + sp * w[2],
+            steer_rate_rad_s: x[STEER_RATE],
+            // Heading has no rate when the frame lies flat: held finite there.
+            yaw_rate_rad_s: (cp * w[2] - sp * w[0]) / cr.max(0.05),
+            x_m: x[0] + contact[0],
+            y_m: x[1] + contact[1],
+            speed_m_s: contacts[0].speed_m_s,
+            front_wheel_rate_rad_s: x[SPIN + 1],
+            rear_wheel_rate_rad_s: x[SPIN],
+            front_load_n: contacts[1].load_n,
+            rear_load_n: contacts[0].load_n,
+            front_slip_ratio: contacts[1].slip_ratio,
+            rear_slip_ratio: contacts[0].slip_ratio,
+            body_rates_rad_s: w,
+            specific_force_m_s2: sub(sensed, gravity),
+        }
+    }
+}
+
+impl PlantModel for Ride {
+    fn step(&mut self, input: &PlantInput, step_s: f64) {
+        let input = self.inputs(input);
+        self.advance(&input, step_s);
+    }
+
+    fn truth(&self) -> Truth {
+        self.model.truth(
+            &self.state,
+            &self.input,
+            self.road.as_ref(),
+            self.sensor_at_m,
+        )
+    }
+
+    fn fall_roll_rad(&self) -> f64 {
+        FALL_ROLL_RAD
+    }
+}
+
+/// The mirror image of a state: left and right exchanged.
+pub fn mirrored(x: &State) -> State {
+    let mut m = *x;
+    for k in [
+        1,
+        ATTITUDE + 1,
+        ATTITUDE + 3,
+        STEER,
+        8,
+        10,
+        VELOCITY + 1,
+        ANGULAR,
+        ANGULAR + 2,
+        STEER_RATE,
+        22,
+        24,
+        29,
+        30,
+    ] {
+        m[k] = -m[k];
+    }
+    m.swap(11, 12);
+    m.swap(25, 26);
+    m
+}
