@@ -29,7 +29,7 @@ pub fn rk4<T: Scalar, const N: usize>(
     let y: [T; N] = core::array::from_fn(|i| x[i] + full * k3[i]);
     rhs(&y, &mut k4);
     for i in 0..N {
-        x[i] = x[i] + sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
+        x[i] += sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
     }
 }
 

@@ -12,6 +12,9 @@
 //! Checked by: `lanes_agree_with_libm` (1 unit in the last place for sine, cosine, arc tangent,
 //! exponential).
 
+// Constants keep the digits of their source.
+#![allow(clippy::excessive_precision)]
+
 use crate::scalar::Scalar;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -26,8 +29,8 @@ macro_rules! lanewise {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                for k in 0..N {
-                    self.0[k] = self.0[k] $op other.0[k];
+                for (a, b) in self.0.iter_mut().zip(other.0) {
+                    *a $op b;
                 }
                 self
             }
@@ -35,7 +38,7 @@ macro_rules! lanewise {
     )*};
 }
 
-lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
+lanewise!(Add add +=, Sub sub -=, Mul mul *=, Div div /=);
 
 impl<const N: usize> AddAssign for Lanes<N> {
     #[inline(always)]
@@ -73,9 +76,29 @@ impl<const N: usize> Lanes<N> {
 /// the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
+/// Bit operations lane by lane.
+#[inline(always)]
+fn bits<const N: usize>(a: Lanes<N>, b: Lanes<N>, f: impl Fn(u64, u64) -> u64) -> Lanes<N> {
+    let mut out = a;
+    for k in 0..N {
+        out.0[k] = f64::from_bits(f(a.0[k].to_bits(), b.0[k].to_bits()));
+    }
+    out
+}
+
+/// Horner's scheme, constant first.
+#[inline(always)]
+fn polynomial<const N: usize>(z: Lanes<N>, c: &[f64]) -> Lanes<N> {
+    let mut sum = Lanes([c[c.len() - 1]; N]);
+    for k in (0..c.len() - 1).rev() {
+        sum = Lanes([c[k]; N]) + z * sum;
+    }
+    sum
+}
+
 /// Sine and cosine without branches.
 #[inline(always)]
-fn sin_cos(x: f64) -> (f64, f64) {
+fn sin_cos<const N: usize>(x: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     const PIO2_1: f64 = 1.570_796_326_734_125_614_17;
     const PIO2_1T: f64 = 6.077_100_506_506_192_249_32e-11;
     const S: [f64; 6] = [
@@ -94,34 +117,36 @@ fn sin_cos(x: f64) -> (f64, f64) {
         2.087_572_321_298_174_827_90e-09,
         -1.135_964_755_778_819_482_65e-11,
     ];
-    let turned = x * core::f64::consts::FRAC_2_PI + ROUNDER;
-    let quadrant = turned.to_bits();
-    let k = turned - ROUNDER;
-    let head = x - k * PIO2_1;
-    let tail = k * PIO2_1T;
+    let one = Lanes([1.0; N]);
+    let quadrant = x.scale(core::f64::consts::FRAC_2_PI) + Lanes([ROUNDER; N]);
+    let k = quadrant - Lanes([ROUNDER; N]);
+    let head = x - k.scale(PIO2_1);
+    let tail = k.scale(PIO2_1T);
     let r = head - tail;
     let rest = (head - r) - tail;
     let z = r * r;
     let w = z * z;
     let v = z * r;
-    let ps = S[1] + z * (S[2] + z * S[3]) + z * w * (S[4] + z * S[5]);
-    let sine = r - ((z * (0.5 * rest - v * ps) - rest) - v * S[0]);
-    let pc = z * (C[0] + z * (C[1] + z * C[2])) + w * w * (C[3] + z * (C[4] + z * C[5]));
-    let hz = 0.5 * z;
-    let one = 1.0 - hz;
-    let cosine = one + (((1.0 - one) - hz) + (z * pc - r * rest));
-    let swap = (quadrant & 1).wrapping_neg();
-    let (sb, cb) = (sine.to_bits(), cosine.to_bits());
-    let s = (sb & !swap) | (cb & swap);
-    let c = (cb & !swap) | (sb & swap);
-    let s_sign = (quadrant & 2) << 62;
-    let c_sign = (quadrant.wrapping_add(1) & 2) << 62;
-    (f64::from_bits(s ^ s_sign), f64::from_bits(c ^ c_sign))
+    let ps = polynomial(z, &S[1..4]) + z * w * polynomial(z, &S[4..]);
+    let sine = r - ((z * (rest.scale(0.5) - v * ps) - rest) - v.scale(S[0]));
+    let pc = z * polynomial(z, &C[..3]) + w * w * polynomial(z, &C[3..]);
+    let hz = z.scale(0.5);
+    let top = one - hz;
+    let cosine = top + (((one - top) - hz) + (z * pc - r * rest));
+    // Odd quadrants exchange the two; signs follow the quadrant.
+    let both = bits(sine, cosine, |s, c| s ^ c);
+    let swapped = bits(both, quadrant, |b, q| b & (q & 1).wrapping_neg());
+    let s = bits(sine, swapped, |a, b| a ^ b);
+    let c = bits(cosine, swapped, |a, b| a ^ b);
+    (
+        bits(s, quadrant, |a, q| a ^ ((q & 2) << 62)),
+        bits(c, quadrant, |a, q| a ^ ((q.wrapping_add(1) & 2) << 62)),
+    )
 }
 
 /// Arc tangent without branches.
 #[inline(always)]
-fn atan(x: f64) -> f64 {
+fn atan<const N: usize>(x: Lanes<N>) -> Lanes<N> {
     const A: [f64; 11] = [
         3.333_333_333_333_293_180_27e-01,
         -1.999_999_999_987_648_324_76e-01,
@@ -135,57 +160,40 @@ fn atan(x: f64) -> f64 {
         -3.653_157_274_421_691_552_70e-02,
         1.628_582_011_536_578_236_23e-02,
     ];
-    let a = x.abs();
-    let pick = |from: f64, then: f64, otherwise: f64| if a >= from { then } else { otherwise };
-    let (p, q, r, s) = (0.4375, 0.6875, 1.1875, 2.4375);
-    let numerator = pick(
-        s,
-        -1.0,
-        pick(r, a - 1.5, pick(q, a - 1.0, pick(p, 2.0 * a - 1.0, a))),
-    );
-    let denominator = pick(
-        s,
-        a,
-        pick(r, 1.0 + 1.5 * a, pick(q, a + 1.0, pick(p, 2.0 + a, 1.0))),
-    );
-    let high = pick(
-        s,
-        1.570_796_326_794_896_558_00,
-        pick(
-            r,
-            9.827_937_232_473_290_540_82e-01,
-            pick(
-                q,
-                7.853_981_633_974_482_789_99e-01,
-                pick(p, 4.636_476_090_008_060_935_15e-01, 0.0),
-            ),
-        ),
-    );
-    let low = pick(
-        s,
-        6.123_233_995_736_766_035_87e-17,
-        pick(
-            r,
-            1.390_331_103_123_099_845_16e-17,
-            pick(
-                q,
-                3.061_616_997_868_383_017_93e-17,
-                pick(p, 2.269_877_745_296_168_709_24e-17, 0.0),
-            ),
-        ),
-    );
+    let c = |v: f64| Lanes([v; N]);
+    let one = c(1.0);
+    let a = bits(x, x, |v, _| v & !(1 << 63));
+    // The argument is reduced about 0, 1/2, 1, 3/2 or infinity.
+    let (near_half, near_one) = (a - c(0.4375), a - c(0.6875));
+    let (near_three_halves, far) = (a - c(1.1875), a - c(2.4375));
+    let numerator = near_half.select(a + a - one, a);
+    let numerator = near_one.select(a - one, numerator);
+    let numerator = near_three_halves.select(a - c(1.5), numerator);
+    let numerator = far.select(c(-1.0), numerator);
+    let denominator = near_half.select(c(2.0) + a, one);
+    let denominator = near_one.select(a + one, denominator);
+    let denominator = near_three_halves.select(one + a.scale(1.5), denominator);
+    let denominator = far.select(a, denominator);
+    let high = near_half.select(c(4.636_476_090_008_060_935_15e-01), c(0.0));
+    let high = near_one.select(c(core::f64::consts::FRAC_PI_4), high);
+    let high = near_three_halves.select(c(9.827_937_232_473_290_540_82e-01), high);
+    let high = far.select(c(core::f64::consts::FRAC_PI_2), high);
+    let low = near_half.select(c(2.269_877_745_296_168_709_24e-17), c(0.0));
+    let low = near_one.select(c(3.061_616_997_868_383_017_93e-17), low);
+    let low = near_three_halves.select(c(1.390_331_103_123_099_845_16e-17), low);
+    let low = far.select(c(6.123_233_995_736_766_035_87e-17), low);
     let t = numerator / denominator;
     let z = t * t;
     let w = z * z;
-    let s1 = z * (A[0] + w * (A[2] + w * (A[4] + w * (A[6] + w * (A[8] + w * A[10])))));
-    let s2 = w * (A[1] + w * (A[3] + w * (A[5] + w * (A[7] + w * A[9]))));
+    let s1 = z * polynomial(w, &[A[0], A[2], A[4], A[6], A[8], A[10]]);
+    let s2 = w * polynomial(w, &[A[1], A[3], A[5], A[7], A[9]]);
     let y = high - ((t * (s1 + s2) - low) - t);
-    f64::from_bits(y.to_bits() ^ (x.to_bits() & (1 << 63)))
+    bits(y, x, |a, b| a ^ (b & (1 << 63)))
 }
 
 /// Exponential without branches, held within the range of finite results.
 #[inline(always)]
-fn exp(x: f64) -> f64 {
+fn exp<const N: usize>(x: Lanes<N>) -> Lanes<N> {
     const P: [f64; 5] = [
         1.666_666_666_666_660_190_37e-01,
         -2.777_777_777_701_559_338_42e-03,
@@ -193,18 +201,18 @@ fn exp(x: f64) -> f64 {
         -1.653_390_220_546_525_153_90e-06,
         4.138_136_797_057_238_460_39e-08,
     ];
-    let x = if x > 708.0 { 708.0 } else { x };
-    let x = if x < -708.0 { -708.0 } else { x };
-    let turned = x * core::f64::consts::LOG2_E + ROUNDER;
-    let k = turned - ROUNDER;
-    let high = x - k * 6.931_471_803_691_238_164_90e-01;
-    let low = k * 1.908_214_929_270_587_700_02e-10;
+    let c = |v: f64| Lanes([v; N]);
+    let x = x.clamp(c(-708.0), c(708.0));
+    let turned = x.scale(core::f64::consts::LOG2_E) + c(ROUNDER);
+    let k = turned - c(ROUNDER);
+    let high = x - k.scale(6.931_471_803_691_238_164_90e-01);
+    let low = k.scale(1.908_214_929_270_587_700_02e-10);
     let r = high - low;
     let z = r * r;
-    let c = r - z * (P[0] + z * (P[1] + z * (P[2] + z * (P[3] + z * P[4]))));
-    let y = 1.0 + (r * c / (2.0 - c) - low + high);
+    let q = r - z * polynomial(z, &P);
+    let y = c(1.0) + (r * q / (c(2.0) - q) - low + high);
     // The low bits of the rounder's sum are k: shifted into the exponent they scale by 2^k.
-    f64::from_bits(y.to_bits().wrapping_add(turned.to_bits() << 52))
+    bits(y, turned, |a, b| a.wrapping_add(b << 52))
 }
 
 impl<const N: usize> Scalar for Lanes<N> {
@@ -223,15 +231,11 @@ impl<const N: usize> Scalar for Lanes<N> {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (mut s, mut c) = (self, self);
-        for k in 0..N {
-            (s.0[k], c.0[k]) = sin_cos(self.0[k]);
-        }
-        (s, c)
+        sin_cos(self)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        self.map(atan)
+        atan(self)
     }
     #[inline(always)]
     fn atan2(mut self, x: Self) -> Self {
@@ -242,7 +246,7 @@ impl<const N: usize> Scalar for Lanes<N> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(exp)
+        exp(self)
     }
     #[inline(always)]
     fn tanh(self) -> Self {
@@ -282,17 +286,19 @@ mod tests {
         let mut worst = [0.0_f64; 4];
         for k in -200_000_i32..200_000 {
             let x = f64::from(k) * 3.217e-4;
-            let (s, c) = sin_cos(x);
+            let lane = Lanes([x; 2]);
+            let (s, c) = lane.sin_cos();
+            let (s, c) = (s.value(), c.value());
             let (ls, lc) = libm::sincos(x);
             worst[0] = worst[0].max(units(s, ls));
             worst[1] = worst[1].max(units(c, lc));
-            worst[2] = worst[2].max(units(atan(x), libm::atan(x)));
-            worst[3] = worst[3].max(units(exp(x), libm::exp(x)));
+            worst[2] = worst[2].max(units(lane.atan().value(), libm::atan(x)));
+            worst[3] = worst[3].max(units(lane.exp().value(), libm::exp(x)));
         }
         println!("units in the last place: {worst:?}");
         assert!(worst.iter().all(|w| *w <= 1.0), "{worst:?}");
-        assert_eq!(exp(0.0), 1.0);
-        assert_eq!(atan(0.0), 0.0);
-        assert!((atan(1.0e9) - core::f64::consts::FRAC_PI_2).abs() < 2.0e-9);
+        assert_eq!(Lanes([0.0; 2]).exp().value(), 1.0);
+        assert_eq!(Lanes([0.0; 2]).atan().value(), 0.0);
+        assert!((Lanes([1.0e9; 2]).atan().value() - core::f64::consts::FRAC_PI_2).abs() < 2.0e-9);
     }
 }

@@ -20,6 +20,8 @@ pub trait Scalar:
     + SubAssign
     + 'static
 {
+    /// Whether the right-hand side is worth a second copy for wider registers.
+    const WIDE: bool = false;
     /// A constant.
     fn from_f64(value: f64) -> Self;
     /// The value without derivatives; of lanes, the first.
@@ -40,58 +42,59 @@ pub trait Scalar:
     fn select(self, then: Self, otherwise: Self) -> Self;
 
     /// Sine.
-    #[inline]
+    #[inline(always)]
     fn sin(self) -> Self {
         self.sin_cos().0
     }
     /// Cosine.
-    #[inline]
+    #[inline(always)]
     fn cos(self) -> Self {
         self.sin_cos().1
     }
     /// Magnitude.
-    #[inline]
+    #[inline(always)]
     fn abs(self) -> Self {
         self.select(self, -self)
     }
     /// The larger of two.
-    #[inline]
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
         (self - other).select(self, other)
     }
     /// The smaller of two.
-    #[inline]
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         (other - self).select(self, other)
     }
     /// Within `[low, high]`.
-    #[inline]
+    #[inline(always)]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
     /// `self` squared.
-    #[inline]
+    #[inline(always)]
     fn squared(self) -> Self {
         self * self
     }
     /// `self` times a constant.
-    #[inline]
+    #[inline(always)]
     fn scale(self, factor: f64) -> Self {
         self * Self::from_f64(factor)
     }
     /// Zero.
-    #[inline]
+    #[inline(always)]
     fn zero() -> Self {
         Self::from_f64(0.0)
     }
     /// One.
-    #[inline]
+    #[inline(always)]
     fn one() -> Self {
         Self::from_f64(1.0)
     }
 }
 
 impl Scalar for f64 {
+    const WIDE: bool = true;
     #[inline]
     fn from_f64(value: f64) -> Self {
         value

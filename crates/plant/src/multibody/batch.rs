@@ -18,6 +18,24 @@ use crate::integrate::rk4;
 use crate::lanes::Lanes;
 use crate::road::Road;
 
+/// The right-hand side, with AVX2 where the processor has it. No fused operations: the same bits.
+#[inline]
+pub(super) fn rhs<T: Scalar>(
+    model: &Multibody,
+    x: &State<T>,
+    input: &Input<T>,
+    road: Option<&Road>,
+    dx: &mut State<T>,
+) {
+    #[cfg(target_arch = "x86_64")]
+    if T::WIDE && std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        unsafe { rhs_avx2(model, x, input, road, dx) };
+        return;
+    }
+    model.rhs_inlined(x, input, road, dx);
+}
+
 /// Steps `N` scenarios on by `steps` steps of `step_s` seconds.
 pub fn advance_lanes<const N: usize>(
     model: &Multibody,

@@ -166,6 +166,7 @@ impl Multibody {
             point: g.point.map(Dual::constant),
             normal: g.normal.map(Dual::constant),
             friction: Dual::constant(g.friction),
+            level: g.level,
         });
         let pose = self.tree.pose(&moving);
         let points = contact_points(&self.tree, &moving, &pose, &lifted, true);

@@ -24,7 +24,7 @@
 
 use super::state::{SLIP, SPIN, STEER_RATE, State};
 use super::tree::Tree;
-use super::vector::{Vec3, add, axpy, cross, dot, lift, scale, sub};
+use super::vector::{Vec3, add, axpy, cross, dot, scale, sub};
 use super::{dynamics::Pose, inertia::Spatial};
 use crate::Scalar;
 use crate::tyre::{Tyre, TyreInput, TyreModel, TyreOutput};
@@ -58,6 +58,8 @@ pub(super) struct Ground<T> {
     pub normal: Vec3<T>,
     /// Friction coefficient.
     pub friction: T,
+    /// True: the plane at height zero; point and normal need not be looked at.
+    pub level: bool,
 }
 
 /// Contact geometry of a wheel, in base axes.
@@ -97,38 +99,104 @@ pub struct WheelContact<T> {
     pub tyre: TyreOutput<T>,
 }
 
-/// Contact point of a wheel with this hub and axle (base axes). `rate` and `motion`: the steer
-/// joint between base and wheel, if any.
+impl<T: Scalar> Ground<T> {
+    /// The normal in base axes.
+    #[inline(always)]
+    fn down(&self, pose: &Pose<T>) -> Vec3<T> {
+        if self.level {
+            pose.rotation[2]
+        } else {
+            super::vector::columns_times(&pose.rotation, self.normal)
+        }
+    }
+
+    /// How far `position` is above the plane, along its normal.
+    #[inline(always)]
+    fn below(&self, position: Vec3<T>) -> T {
+        if self.level {
+            -position[2]
+        } else {
+            dot(sub(self.point, position), self.normal)
+        }
+    }
+}
+
+/// One over the cosine of camber, held beyond the largest camber that is followed.
 #[inline(always)]
-pub(super) fn contact_point<T: Scalar>(
-    hub: Vec3<T>,
-    axle: Vec3<T>,
-    joint: Option<(&Spatial<f64>, T)>,
+fn inverse_cosine<T: Scalar>(sin_camber: T) -> T {
+    let cos2 = T::one() - sin_camber * sin_camber;
+    T::one() / cos2.max(T::from_f64(FLATTEST_COS2)).sqrt()
+}
+
+/// Contact point of the rear wheel: its hub is the origin, its axle the lateral axis.
+#[inline(always)]
+fn rear_point<T: Scalar>(
     v: &Spatial<T>,
     position: Vec3<T>,
     pose: &Pose<T>,
     ground: &Ground<T>,
     rigid_radius: Option<f64>,
 ) -> ContactPoint<T> {
-    let down = super::vector::columns_times(&pose.rotation, ground.normal);
+    let zero = T::zero();
+    let down = ground.down(pose);
+    let sin_camber = down[1];
+    let inverse_cos = inverse_cosine(sin_camber);
+    let forward = [down[2] * inverse_cos, zero, -(down[0] * inverse_cos)];
+    let loaded_radius = match rigid_radius {
+        Some(radius) => T::from_f64(radius),
+        None => ground.below(position) * inverse_cos,
+    };
+    let lever = loaded_radius * inverse_cos;
+    let arm = [lever * down[0], zero, lever * down[2]];
+    ContactPoint {
+        arm,
+        forward,
+        right: [
+            down[1] * forward[2],
+            down[2] * forward[0] - down[0] * forward[2],
+            -(down[1] * forward[0]),
+        ],
+        down,
+        sin_camber,
+        inverse_cos,
+        loaded_radius,
+        velocity: [
+            v[3] + v[1] * arm[2],
+            v[4] + v[2] * arm[0] - v[0] * arm[2],
+            v[5] - v[1] * arm[0],
+        ],
+    }
+}
+
+/// Contact point of the front wheel, which turns with the steer joint at `rate`.
+#[inline(always)]
+fn front_point<T: Scalar>(
+    (motion, rate): (&Spatial<f64>, T),
+    v: &Spatial<T>,
+    position: Vec3<T>,
+    pose: &Pose<T>,
+    ground: &Ground<T>,
+    rigid_radius: Option<f64>,
+) -> ContactPoint<T> {
+    let (hub, axle) = (pose.front_hub, pose.front_axle);
+    let down = ground.down(pose);
     let sin_camber = dot(axle, down);
-    let cos2 = T::one() - sin_camber * sin_camber;
-    let inverse_cos = T::one() / cos2.max(T::from_f64(FLATTEST_COS2)).sqrt();
+    let inverse_cos = inverse_cosine(sin_camber);
     let radial = scale(sub(down, scale(axle, sin_camber)), inverse_cos);
     let forward = scale(cross(axle, down), inverse_cos);
     let loaded_radius = match rigid_radius {
         Some(radius) => T::from_f64(radius),
-        // (point - position)·n - hub·n, so that no world vector of the hub is needed.
-        None => (dot(sub(ground.point, position), ground.normal) - dot(hub, down)) * inverse_cos,
+        // Height of the hub without its world coordinates.
+        None => (ground.below(position) - dot(hub, down)) * inverse_cos,
     };
     let arm = axpy(hub, loaded_radius, radial);
-    let (w, u) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
-    let mut velocity = add(u, cross(w, arm));
-    if let Some((motion, rate)) = joint {
-        let axis: Vec3<T> = lift(&[motion[0], motion[1], motion[2]]);
-        let moment: Vec3<T> = lift(&[motion[3], motion[4], motion[5]]);
-        velocity = axpy(velocity, rate, add(moment, cross(axis, arm)));
-    }
+    // The steer axis has no lateral component: its motion at C is written out.
+    let by_steer = [
+        -(arm[1].scale(motion[2])),
+        T::from_f64(motion[4]) + arm[0].scale(motion[2]) - arm[2].scale(motion[0]),
+        arm[1].scale(motion[0]),
+    ];
+    let by_base = add([v[3], v[4], v[5]], cross([v[0], v[1], v[2]], arm));
     ContactPoint {
         arm,
         forward,
@@ -137,7 +205,7 @@ pub(super) fn contact_point<T: Scalar>(
         sin_camber,
         inverse_cos,
         loaded_radius,
-        velocity,
+        velocity: axpy(by_base, rate, by_steer),
     }
 }
 
@@ -153,37 +221,18 @@ pub(super) fn contact_points<T: Scalar>(
     use super::state::StateAccess;
     let v = x.base_motion();
     let position = [x[0], x[1], x[2]];
-    let z = T::zero();
     let radius = |k: usize| rigid.then_some(tree.wheels[k].radius);
+    let steer = (&tree.steer.motion, x[STEER_RATE]);
     [
-        contact_point(
-            [z; 3],
-            [z, T::one(), z],
-            None,
-            &v,
-            position,
-            pose,
-            &grounds[0],
-            radius(0),
-        ),
-        contact_point(
-            pose.front_hub,
-            pose.front_axle,
-            Some((&tree.steer.motion, x[STEER_RATE])),
-            &v,
-            position,
-            pose,
-            &grounds[1],
-            radius(1),
-        ),
+        rear_point(&v, position, pose, &grounds[0], radius(0)),
+        front_point(steer, &v, position, pose, &grounds[1], radius(1)),
     ]
 }
 
 /// What the tyre does at a contact point. Writes the derivative of the relaxed slips.
 #[inline(always)]
 pub(super) fn tyre_contact<T: Scalar>(
-    wheel: usize,
-    radius: f64,
+    (wheel, radius): (usize, f64),
     tyre: &Tyre,
     speed_floor: f64,
     at: &ContactPoint<T>,
@@ -199,9 +248,9 @@ pub(super) fn tyre_contact<T: Scalar>(
     let vertical = tyre.vertical();
     let spring = deflection
         .min(T::from_f64(DEEPEST_M))
-        .scale(vertical.stiffness_n_m)
-        + (sink * at.inverse_cos).scale(vertical.damping_n_s_m);
-    let load = deflection.select((spring * at.inverse_cos).max(zero), zero);
+        .scale(vertical.stiffness_n_m);
+    let support = spring * at.inverse_cos + sink.scale(vertical.damping_n_s_m);
+    let load = deflection.select(support.max(zero).min(T::from_f64(LARGEST_LOAD_N)), zero);
 
     let floor = T::from_f64(speed_floor);
     let reference = (speed * speed + floor * floor).sqrt();
@@ -283,7 +332,7 @@ pub(super) fn lying_wrench<T: Scalar>(
     ground: &Ground<T>,
 ) -> Spatial<T> {
     use super::state::StateAccess;
-    let down = super::vector::columns_times(&pose.rotation, ground.normal);
+    let down = ground.down(pose);
     let z = T::zero();
     // The side that is lower.
     let width = T::from_f64(LYING_HALF_WIDTH_M);
@@ -293,7 +342,7 @@ pub(super) fn lying_wrench<T: Scalar>(
         T::from_f64(-tree.origin[2] - LYING_HEIGHT_M),
     ];
     let position = [x[0], x[1], x[2]];
-    let depth = dot(sub(position, ground.point), ground.normal) + dot(at, down);
+    let depth = dot(at, down) - ground.below(position);
     let v = x.base_motion();
     let speed = add([v[3], v[4], v[5]], cross([v[0], v[1], v[2]], at));
     let sink = dot(speed, down);

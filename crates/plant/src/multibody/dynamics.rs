@@ -24,7 +24,7 @@
 //! linear benchmark in `linearise` (1e-9).
 
 use super::factored::{Factored, eliminate, factor_symmetric};
-use super::inertia::{Inertia, Spatial, momentum, power, tensor_times, transported};
+use super::inertia::{Inertia, Spatial, momentum, momentum_without_mass, power, transported};
 use super::state::{
     ANGULAR, LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, TRUNK, TRUNK_RATE,
 };
@@ -104,12 +104,17 @@ fn hinge<T: Scalar>(
     let (c2x, s2x) = (c2.scale(2.0), s2.scale(2.0));
     let h = &part.harmonics;
     let mut derivative: Inertia<T> = [T::zero(); 10];
-    for k in 0..9 {
+    for k in 0..6 {
         inertia[k] += c.scale(h[0][k]) + s.scale(h[1][k]) + (c2.scale(h[2][k]) + s2.scale(h[3][k]));
         derivative[k] =
             c.scale(h[1][k]) - s.scale(h[0][k]) + (c2x.scale(h[3][k]) - s2x.scale(h[2][k]));
     }
-    let turning = momentum(&derivative, v);
+    // The first moment has no second harmonic.
+    for k in 6..9 {
+        inertia[k] += c.scale(h[0][k]) + s.scale(h[1][k]);
+        derivative[k] = c.scale(h[1][k]) - s.scale(h[0][k]);
+    }
+    let turning = momentum_without_mass(&derivative, v);
     let f = &part.coupling;
     let rate2 = rate * rate;
     let mut coupling: Spatial<T> = [T::zero(); 6];

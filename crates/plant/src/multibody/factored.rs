@@ -84,7 +84,8 @@ pub(super) fn solve_symmetric<T: Scalar, const N: usize>(
 ) {
     for r in 1..N {
         for c in 0..r {
-            b[r] = b[r] - lower[r][c] * b[c];
+            let known = b[c];
+            b[r] -= lower[r][c] * known;
         }
     }
     for r in 0..N {
@@ -92,7 +93,8 @@ pub(super) fn solve_symmetric<T: Scalar, const N: usize>(
     }
     for r in (0..N).rev() {
         for c in r + 1..N {
-            b[r] = b[r] - lower[c][r] * b[c];
+            let known = b[c];
+            b[r] -= lower[c][r] * known;
         }
     }
 }

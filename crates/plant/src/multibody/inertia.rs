@@ -85,6 +85,16 @@ pub fn tensor_times<T: Scalar>(i: &Inertia<T>, w: Vec3<T>) -> Vec3<T> {
 /// Momentum (angular about the reference point, linear) of a body that moves with `v`.
 #[inline(always)]
 pub fn momentum<T: Scalar>(i: &Inertia<T>, v: &Spatial<T>) -> Spatial<T> {
+    let mut h = momentum_without_mass(i, v);
+    for k in 3..6 {
+        h[k] += i[9] * v[k];
+    }
+    h
+}
+
+/// The same for a body whose mass is zero: the change of an inertia when a part turns.
+#[inline(always)]
+pub fn momentum_without_mass<T: Scalar>(i: &Inertia<T>, v: &Spatial<T>) -> Spatial<T> {
     let (w, u) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
     let h = [i[6], i[7], i[8]];
     let angular = tensor_times(i, w);
@@ -94,9 +104,9 @@ pub fn momentum<T: Scalar>(i: &Inertia<T>, v: &Spatial<T>) -> Spatial<T> {
         angular[0] + from_linear[0],
         angular[1] + from_linear[1],
         angular[2] + from_linear[2],
-        i[9] * u[0] + from_angular[0],
-        i[9] * u[1] + from_angular[1],
-        i[9] * u[2] + from_angular[2],
+        from_angular[0],
+        from_angular[1],
+        from_angular[2],
     ]
 }
 

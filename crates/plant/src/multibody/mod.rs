@@ -4,6 +4,9 @@
 //! its hip-ankle line (2). Any joint can be locked, so rigid rider, passive rider and the
 //! benchmark bicycle are one code. Everything is generic over [`crate::Scalar`].
 
+// Loops run over components of several vectors at once, index by index as in the formulas.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+
 mod batch;
 mod constraint;
 mod contact;

@@ -124,7 +124,7 @@ impl Multibody {
         road: Option<&Road>,
         dx: &mut State<T>,
     ) {
-        self.rhs_inlined(x, input, road, dx);
+        super::batch::rhs(self, x, input, road, dx);
     }
 
     /// The same, to be compiled into its caller.
@@ -161,6 +161,7 @@ impl Multibody {
             point: [z; 3],
             normal: [z, z, T::one()],
             friction: T::one(),
+            level: true,
         };
         match road {
             None => [level; 2],
@@ -196,8 +197,7 @@ impl Multibody {
         let contact = |k: usize, dx: &mut State<T>| {
             let radius = self.tree.wheels[k].radius;
             tyre_contact(
-                k,
-                radius,
+                (k, radius),
                 &self.tyres[k],
                 floor,
                 &points[k],
@@ -291,6 +291,7 @@ fn ground<T: Scalar>(road: &Road, x: T, y: T) -> Ground<T> {
             point: [z; 3],
             normal: [z, z, T::one()],
             friction,
+            level: true,
         };
     }
     let s = road.surface(x, y);
@@ -300,5 +301,6 @@ fn ground<T: Scalar>(road: &Road, x: T, y: T) -> Ground<T> {
         point: [x, y, -s.height_m],
         normal: [a * inverse, b * inverse, inverse],
         friction,
+        level: false,
     }
 }

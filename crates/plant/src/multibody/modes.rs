@@ -82,7 +82,7 @@ impl Multibody {
         // other modes it meets on its way. Without one, shapes decide at the highest speed where
         // they can.
         let has = |pairs: &[Eigenpair], mode| name_lateral(pairs, &states).contains(&mode);
-        let swings = |pairs: &[Eigenpair]| pairs.iter().any(|p| unstable_swing(p));
+        let swings = |pairs: &[Eigenpair]| pairs.iter().any(unstable_swing);
         let find = |keep: &dyn Fn(&[Eigenpair]) -> bool| {
             (0..family.len()).rev().find(|&k| keep(&family[k]))
         };

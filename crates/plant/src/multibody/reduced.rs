@@ -239,7 +239,8 @@ fn eliminated<T: Scalar>(m: &mut [[T; 7]; 6]) -> [T; 6] {
         for r in c + 1..6 {
             let factor = m[r][c] * inverse;
             for k in c..7 {
-                m[r][k] = m[r][k] - factor * m[c][k];
+                let above = m[c][k];
+                m[r][k] -= factor * above;
             }
         }
     }

@@ -306,7 +306,7 @@ impl Multibody {
         let n = active.len();
         let residual = active.iter().map(|&k| {
             // What grows in proportion to speed.
-            let velocity = k >= place::ANGULAR && k < place::SLIP;
+            let velocity = (place::ANGULAR..place::SLIP).contains(&k);
             if velocity {
                 d[k] - acceleration * dual[k] * per_speed
             } else {

@@ -98,7 +98,14 @@ impl Tree {
         let column = |axis: Vec3<T>, j: Vec3<T>, free: f64| -> Spatial<T> {
             let p = cross(axis, first);
             let l = add(j, cross(joint, p));
-            [l[0], l[1], l[2], p[0], p[1], p[2]].map(|c| c.scale(free))
+            [
+                l[0].scale(free),
+                l[1].scale(free),
+                l[2].scale(free),
+                p[0].scale(free),
+                p[1].scale(free),
+                p[2].scale(free),
+            ]
         };
         let e1 = [T::one(), zero, zero];
         let j1 = [tensor[0], tensor[3], tensor[4]];

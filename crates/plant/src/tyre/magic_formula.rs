@@ -141,7 +141,7 @@ pub struct MagicFormula {
 
 impl MagicFormula {
     /// Load at which coefficients are evaluated.
-    #[inline]
+    #[inline(always)]
     fn coefficient_load<T: Scalar>(&self, fz: T) -> T {
         if let Some(frozen) = self.frozen_load_n {
             T::from_f64(frozen)
@@ -154,7 +154,7 @@ impl MagicFormula {
 
     /// Side force over Dy: with side slip alone, and with camber. `u` = -Bα α, `w` = -Bγ γ are the
     /// arguments turned to the contact frame.
-    #[inline]
+    #[inline(always)]
     fn lateral<T: Scalar>(&self, u: T, w: T) -> (T, T) {
         let (sa, ca) = contact::shape(self.slip_shape_ratio, u);
         let (sg, cg) = contact::shape(self.camber_shape_ratio, w);

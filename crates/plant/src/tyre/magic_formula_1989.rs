@@ -97,7 +97,7 @@ pub struct MagicFormula1989 {
 }
 
 /// sin(C atan(B X - E (B X - atan(B X)))).
-#[inline]
+#[inline(always)]
 fn curve<T: Scalar>(c: f64, bx: T, e: T) -> T {
     let bent = bx - e * (bx - bx.atan());
     bent.atan().scale(c).sin()
@@ -105,7 +105,7 @@ fn curve<T: Scalar>(c: f64, bx: T, e: T) -> T {
 
 impl MagicFormula1989 {
     /// Friction at hand over the tyre's own at load `f` (kN).
-    #[inline]
+    #[inline(always)]
     fn friction_left<T: Scalar>(&self, f: T, road: T) -> T {
         match self.friction {
             Friction::AsFile => road,
@@ -118,14 +118,14 @@ impl MagicFormula1989 {
 
     /// `angle` + shift (degrees) over friction, held at the limit. Peaks scale with friction and
     /// slopes stay: s F(X / s), the similarity method of Pacejka (2012), section 4.1.
-    #[inline]
+    #[inline(always)]
     fn similar<T: Scalar>(&self, x: T, s: T) -> T {
         let limit = T::from_f64(self.slip_angle_limit_rad * DEGREES);
         (x / s).clamp(-limit, limit)
     }
 
     /// Side force at load `f` (kN), slip `a` and camber `g` (degrees), with `s` of the friction.
-    #[inline]
+    #[inline(always)]
     fn side<T: Scalar>(&self, f: T, a: T, g: T, s: T) -> T {
         let x = &self.side_force;
         let keep = if self.remove_offsets { 0.0 } else { 1.0 };
@@ -145,7 +145,7 @@ impl MagicFormula1989 {
     }
 
     /// Moment about z at load `f` (kN), slip `a` and camber `g` (degrees), with `s` of the friction.
-    #[inline]
+    #[inline(always)]
     fn moment<T: Scalar>(&self, f: T, a: T, g: T, s: T) -> T {
         let x = &self.aligning;
         let keep = if self.remove_offsets { 0.0 } else { 1.0 };

@@ -125,36 +125,74 @@ fn weave_and_capsize_speed_of_the_benchmark() {
     );
 }
 
+/// Weave and capsize speed of a case of Bulsink (2017), table 3.3, bicycle 1.
+fn case_speeds(case: crate::multibody::Case) -> (Option<f64>, Option<f64>) {
+    use crate::multibody::{BulsinkBicycle, Reading};
+    let parameters = Parameters::bulsink2017(BulsinkBicycle::One, case, &Reading::default());
+    let model = Multibody::new(&parameters).unwrap();
+    let speeds: Vec<f64> = (6..=48).map(|k| 0.25 * f64::from(k)).collect();
+    let course = Course::straight(5.0);
+    let sweep = model.sweep(&course, &speeds).unwrap();
+    let found = model.critical_speeds_m_s(&course, &sweep).unwrap();
+    println!("{case:?} {found:?}");
+    found
+}
+
 #[test]
 fn cases_of_the_thesis() {
+    use crate::multibody::Case;
+    let [one, two, three, four, five, six, seven] = Case::ALL.map(case_speeds);
+    let near = |ours: Option<f64>, printed: f64, ratio: f64| {
+        let ours = ours.expect("a crossing");
+        assert!(
+            (ours / printed - 1.0).abs() < ratio,
+            "{ours} against {printed}"
+        );
+    };
+    // Bulsink (2017), section 3.3.2: figures, and words for cases 2 to 4.
+    near(one.0, 4.9, 0.01);
+    near(one.1, 6.8, 0.02);
+    near(two.0, one.0.unwrap(), 0.02);
+    near(two.1, one.1.unwrap(), 0.02);
+    assert!(
+        three.0 > one.0 && three.1 < one.1,
+        "arm mass raises weave, lowers capsize"
+    );
+    near(three.0, one.0.unwrap(), 0.05);
+    assert!(four.0 > one.0, "arm damping raises weave");
+    near(four.0, one.0.unwrap(), 0.05);
+    near(four.1, one.1.unwrap(), 1.0e-6);
+    assert!(five.0 < one.0, "arm stiffness stabilises weave");
+    near(six.0, 9.3, 0.05);
+    assert!(
+        six.1.is_none() && seven.1.is_none(),
+        "capsize is stable on tyres"
+    );
+    // Trunk and legs of case 7 are unpublished: the miss is known, and larger than for the others.
+    near(seven.0, 9.7, 0.10);
+}
+
+#[test]
+fn arm_stiffness_of_five_leaves_no_stable_capsize() {
     use crate::multibody::{BulsinkBicycle, Case, Reading};
-    for k in [0.43, 0.47] {
-        for case in Case::ALL {
-            let reading = Reading {
-                wheel_inertia_ratio: k,
-                ..Reading::default()
-            };
-            let parameters = Parameters::bulsink2017(BulsinkBicycle::One, case, &reading);
-            let model = Multibody::new(&parameters).unwrap();
-            let speeds: Vec<f64> = (6..=48).map(|k| 0.25 * f64::from(k)).collect();
-            let course = Course::straight(5.0);
-            let sweep = model.sweep(&course, &speeds).unwrap();
-            println!(
-                "{k} {case:?} {:?}",
-                model.critical_speeds_m_s(&course, &sweep).unwrap()
-            );
-            for p in sweep.points.iter().step_by(8) {
-                let text: Vec<String> = p
-                    .modes
-                    .iter()
-                    .zip(&sweep.names)
-                    .map(|(m, n)| {
-                        format!("{}:{:.2}{:+.2}i", &n.as_str()[..2], m.value.re, m.value.im)
-                    })
-                    .collect();
-                println!("   {} {}", p.speed_m_s, text.join(" "));
-            }
-        }
+    let p = Parameters::bulsink2017(
+        BulsinkBicycle::One,
+        Case::NoSlipArmStiffness,
+        &Reading::default(),
+    );
+    let model = Multibody::new(&p).unwrap();
+    for tenth in 15..100 {
+        let linear = model
+            .linear(&Course::straight(0.1 * f64::from(tenth)))
+            .unwrap()
+            .lateral();
+        let growth = linear
+            .eigenpairs()
+            .unwrap()
+            .iter()
+            .map(|p| p.value.re)
+            .fold(f64::MIN, f64::max);
+        assert!(growth > 0.0, "stable at {} m/s", 0.1 * f64::from(tenth));
     }
 }
 
