@@ -75,7 +75,10 @@ impl Controller {
     pub fn answer(&mut self, frame: &PlantFrame) -> ControllerFrame {
         let now = Instant::from_nanos(frame.header.time_ns);
         ControllerFrame {
-            header: Header { protocol_hash: PROTOCOL_HASH, ..frame.header },
+            header: Header {
+                protocol_hash: PROTOCOL_HASH,
+                ..frame.header
+            },
             output: self.step(now, &frame.measurement, &frame.intent),
         }
     }

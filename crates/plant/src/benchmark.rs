@@ -57,7 +57,11 @@ impl Benchmark {
     ///
     /// # Errors
     /// If the bicycle's values cannot be, or its mass matrix has no inverse.
-    pub fn new(bicycle: &Bicycle, resistance: Resistance, speed_m_s: f64) -> Result<Self, BicycleError> {
+    pub fn new(
+        bicycle: &Bicycle,
+        resistance: Resistance,
+        speed_m_s: f64,
+    ) -> Result<Self, BicycleError> {
         let canonical = Canonical::new(bicycle)?;
         let p = &bicycle.parameters;
         let total_mass_kg = p.mR + p.mB + p.mH + p.mF;
@@ -65,7 +69,13 @@ impl Benchmark {
             p.mB * p.xB + p.mH * p.xH + p.mF * p.w,
             p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF,
         ];
-        let spin = |inertia: f64, radius: f64| if radius > 0.0 { inertia / (radius * radius) } else { 0.0 };
+        let spin = |inertia: f64, radius: f64| {
+            if radius > 0.0 {
+                inertia / (radius * radius)
+            } else {
+                0.0
+            }
+        };
         let mut plant = Self {
             bicycle: bicycle.clone(),
             canonical,
@@ -90,7 +100,11 @@ impl Benchmark {
     fn acceleration_m_s2(&self, speed_m_s: f64) -> f64 {
         let p = &self.bicycle.parameters;
         let r = &self.resistance;
-        let rolling = if speed_m_s > 0.0 { r.rolling_ratio * self.total_mass_kg * GRAVITY_M_S2 } else { 0.0 };
+        let rolling = if speed_m_s > 0.0 {
+            r.rolling_ratio * self.total_mass_kg * GRAVITY_M_S2
+        } else {
+            0.0
+        };
         let air = 0.5 * r.air_density_kg_m3 * r.drag_area_m2 * speed_m_s * speed_m_s;
         let drive = per_radius(self.input.rear_traction_nm, p.rR) + self.input.pedal_force_n;
         let brake = per_radius(self.input.front_brake_nm, p.rF);
@@ -105,17 +119,21 @@ impl Benchmark {
         let pair = MotorPair {
             front_brake_nm: self.input.front_brake_nm,
             rear_traction_nm: p.rR
-                * (acceleration * self.effective_mass_kg + per_radius(self.input.front_brake_nm, p.rF)),
+                * (acceleration * self.effective_mass_kg
+                    + per_radius(self.input.front_brake_nm, p.rF)),
         };
         let force_n = self.input.lateral_force_n;
         let yaw_per_steer = self.canonical.yaw_rate_rad_s(0.0, 0.0, 1.0);
         let torque = Vector2::new(
             self.input.roll_torque_nm + force_n * self.input.lateral_force_height_m,
             self.input.steer_torque_nm
-                + (force_n * self.input.lateral_force_x_m + self.input.yaw_torque_nm) * yaw_per_steer,
+                + (force_n * self.input.lateral_force_x_m + self.input.yaw_torque_nm)
+                    * yaw_per_steer,
         );
         let (angle, rate) = (Vector2::new(x[0], x[1]), Vector2::new(x[2], x[3]));
-        let accel = self.canonical.acceleration(speed, pair, angle, rate, torque);
+        let accel = self
+            .canonical
+            .acceleration(speed, pair, angle, rate, torque);
         let (sin_yaw, cos_yaw) = libm::sincos(yaw);
         [
             x[2],
@@ -131,7 +149,11 @@ impl Benchmark {
 }
 
 fn per_radius(torque_nm: f64, radius_m: f64) -> f64 {
-    if radius_m > 0.0 { torque_nm / radius_m } else { 0.0 }
+    if radius_m > 0.0 {
+        torque_nm / radius_m
+    } else {
+        0.0
+    }
 }
 
 impl PlantModel for Benchmark {
@@ -153,8 +175,9 @@ impl PlantModel for Benchmark {
         let lateral_accel = speed * yaw_rate + p.xB * yaw_accel - p.zB * dx[2];
         let (sin_roll, cos_roll) = libm::sincos(x[0]);
         let weight_n = self.total_mass_kg * p.g;
-        let front_load_n =
-            (weight_n * self.centre_m[0] - self.total_mass_kg * acceleration * self.centre_m[1]) / p.w;
+        let front_load_n = (weight_n * self.centre_m[0]
+            - self.total_mass_kg * acceleration * self.centre_m[1])
+            / p.w;
         Truth {
             roll_rad: x[0],
             steer_rad: x[1],
@@ -190,7 +213,11 @@ impl PlantModel for Benchmark {
 mod tests {
     use super::*;
 
-    const FREE: Resistance = Resistance { rolling_ratio: 0.0, drag_area_m2: 0.0, air_density_kg_m3: 1.2 };
+    const FREE: Resistance = Resistance {
+        rolling_ratio: 0.0,
+        drag_area_m2: 0.0,
+        air_density_kg_m3: 1.2,
+    };
 
     fn benchmark(speed_m_s: f64) -> Benchmark {
         let bicycle = Bicycle::load("meijaard2007_benchmark").expect("built in");
@@ -204,13 +231,19 @@ mod tests {
         for _ in 0..1000 {
             plant.step(&PlantInput::default(), 0.001);
         }
-        assert!(plant.truth().roll_rad > 0.02, "roll {}", plant.truth().roll_rad);
+        assert!(
+            plant.truth().roll_rad > 0.02,
+            "roll {}",
+            plant.truth().roll_rad
+        );
     }
 
     #[test]
     fn the_free_bicycle_follows_the_matrix_exponential_of_its_state_matrix() {
         let bicycle = Bicycle::load("meijaard2007_benchmark").expect("built in");
-        let a = Canonical::new(&bicycle).expect("valid").state_matrix(5.0, MotorPair::OFF);
+        let a = Canonical::new(&bicycle)
+            .expect("valid")
+            .state_matrix(5.0, MotorPair::OFF);
         let start = nalgebra::Vector4::new(0.01, -0.02, 0.03, 0.04);
         let expected = (a * 2.0).exp() * start;
         let mut plant = benchmark(5.0);
@@ -219,23 +252,42 @@ mod tests {
             plant.step(&PlantInput::default(), 0.001);
         }
         let t = plant.truth();
-        let got = nalgebra::Vector4::new(t.roll_rad, t.steer_rad, t.roll_rate_rad_s, t.steer_rate_rad_s);
-        assert!((got - expected).norm() < 1e-9 * start.norm(), "{got} against {expected}");
+        let got = nalgebra::Vector4::new(
+            t.roll_rad,
+            t.steer_rad,
+            t.roll_rate_rad_s,
+            t.steer_rate_rad_s,
+        );
+        assert!(
+            (got - expected).norm() < 1e-9 * start.norm(),
+            "{got} against {expected}"
+        );
     }
 
     #[test]
     fn a_balanced_pair_keeps_the_speed_and_a_brake_alone_does_not() {
         let (mut pair, mut brake) = (benchmark(5.0), benchmark(5.0));
         // Radii 0.35 and 0.30 m.
-        let balanced = PlantInput { front_brake_nm: 35.0, rear_traction_nm: 30.0, ..PlantInput::default() };
-        let alone = PlantInput { front_brake_nm: 35.0, ..PlantInput::default() };
+        let balanced = PlantInput {
+            front_brake_nm: 35.0,
+            rear_traction_nm: 30.0,
+            ..PlantInput::default()
+        };
+        let alone = PlantInput {
+            front_brake_nm: 35.0,
+            ..PlantInput::default()
+        };
         for _ in 0..1000 {
             pair.step(&balanced, 0.001);
             brake.step(&alone, 0.001);
         }
         assert!((pair.truth().speed_m_s - 5.0).abs() < 1e-12);
         // 100 N on 94 kg and the wheels' spin (0.28/0.35² + 0.12/0.3² = 3.62 kg).
-        assert!((brake.truth().speed_m_s - (5.0 - 100.0 / 97.619)).abs() < 1e-5, "{}", brake.truth().speed_m_s);
+        assert!(
+            (brake.truth().speed_m_s - (5.0 - 100.0 / 97.619)).abs() < 1e-5,
+            "{}",
+            brake.truth().speed_m_s
+        );
         assert!(brake.truth().front_load_n > pair.truth().front_load_n);
     }
 

@@ -4,8 +4,8 @@
 pub mod admissible;
 pub mod benchmark;
 pub mod disturbance;
-pub mod explain;
 pub mod dual;
+pub mod explain;
 pub mod integrate;
 pub mod lanes;
 pub mod motor;

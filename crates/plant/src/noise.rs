@@ -7,7 +7,10 @@ use rand_pcg::Pcg64;
 pub fn stream(seed: u64, name: &str) -> Gaussian {
     let hash = twinhub_types::wire::hash_str(twinhub_types::wire::HASH_START, name);
     let hash = twinhub_types::wire::hash_u64(hash, seed);
-    Gaussian { rng: Pcg64::seed_from_u64(hash), spare: None }
+    Gaussian {
+        rng: Pcg64::seed_from_u64(hash),
+        spare: None,
+    }
 }
 
 /// Standard normal deviates by the polar method of Box and Muller (1958), with `libm` functions:
@@ -50,13 +53,19 @@ impl ColouredNoise {
     /// Starts from the stationary distribution.
     pub fn new(sd: f64, bandwidth_rad_s: f64, mut source: Gaussian) -> Self {
         let value = sd * source.normal();
-        Self { sd, bandwidth_rad_s, value, source }
+        Self {
+            sd,
+            bandwidth_rad_s,
+            value,
+            source,
+        }
     }
 
     /// The value after another `step_s` seconds.
     pub fn step(&mut self, step_s: f64) -> f64 {
         let keep = libm::exp(-self.bandwidth_rad_s * step_s);
-        self.value = keep * self.value + self.sd * libm::sqrt(1.0 - keep * keep) * self.source.normal();
+        self.value =
+            keep * self.value + self.sd * libm::sqrt(1.0 - keep * keep) * self.source.normal();
         self.value
     }
 }
@@ -73,7 +82,11 @@ mod tests {
         let cov = x.windows(11).map(|w| w[0] * w[10]).sum::<f64>() / x.len() as f64;
         // 200,000 samples of correlation time 0.1 s: about 10,000 independent ones.
         assert!((var / 4.0 - 1.0).abs() < 0.06, "variance {var}");
-        assert!((cov / var - libm::exp(-1.0)).abs() < 0.04, "correlation after 0.1 s {}", cov / var);
+        assert!(
+            (cov / var - libm::exp(-1.0)).abs() < 0.04,
+            "correlation after 0.1 s {}",
+            cov / var
+        );
     }
 
     #[test]

@@ -68,9 +68,16 @@ pub struct Truth {
 impl Truth {
     /// True while every number is finite.
     pub fn is_finite(&self) -> bool {
-        [self.roll_rad, self.steer_rad, self.yaw_rad, self.speed_m_s, self.roll_rate_rad_s, self.steer_rate_rad_s]
-            .iter()
-            .all(|v| v.is_finite())
+        [
+            self.roll_rad,
+            self.steer_rad,
+            self.yaw_rad,
+            self.speed_m_s,
+            self.roll_rate_rad_s,
+            self.steer_rate_rad_s,
+        ]
+        .iter()
+        .all(|v| v.is_finite())
     }
 }
 

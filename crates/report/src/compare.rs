@@ -67,7 +67,11 @@ fn unit(quantity: &str) -> (String, &'static str, f64) {
     let base = quantity.split(' ').next().unwrap_or(quantity);
     for (ending, unit, scale) in endings {
         if let Some(stem) = base.strip_suffix(ending) {
-            return (format!("{}{}", stem.replace('_', " "), &quantity[base.len()..]), unit, scale);
+            return (
+                format!("{}{}", stem.replace('_', " "), &quantity[base.len()..]),
+                unit,
+                scale,
+            );
         }
     }
     (quantity.to_owned(), "", 1.0)
@@ -81,7 +85,10 @@ struct Line {
 
 impl Line {
     fn new(points: impl Iterator<Item = (f64, f64, bool)>, scale: f64) -> Self {
-        let mut line = Self { x: vec![], y: vec![] };
+        let mut line = Self {
+            x: vec![],
+            y: vec![],
+        };
         for (t, value, begins) in points {
             if begins && !line.x.is_empty() {
                 line.x.push(t);
@@ -116,12 +123,19 @@ fn figure(ride: &RidePlot, range: Option<(f64, f64)>, title: &str) -> String {
                 (m[0], m[1], begins)
             });
             let measured = Line::new(measured, scale);
-            let free = channel.free_run.iter().filter(|m| inside(m[0]) && range.is_some());
+            let free = channel
+                .free_run
+                .iter()
+                .filter(|m| inside(m[0]) && range.is_some());
             let free = Line::new(free.map(|m| (m[0], m[1], false)), scale);
             (name, unit, [measured, predicted, free])
         })
         .collect();
-    let names = ["measured", "predicted, up to 0.5 s ahead", "one longer free run"];
+    let names = [
+        "measured",
+        "predicted, up to 0.5 s ahead",
+        "one longer free run",
+    ];
     let panels = lines.iter().map(|(name, unit, lines)| Panel {
         title: name,
         unit,
@@ -130,15 +144,32 @@ fn figure(ride: &RidePlot, range: Option<(f64, f64)>, title: &str) -> String {
             .zip(names)
             .enumerate()
             .filter(|(_, (line, _))| !line.x.is_empty())
-            .map(|(style, (line, name))| Series { name, style, x: &line.x, y: &line.y })
+            .map(|(style, (line, name))| Series {
+                name,
+                style,
+                x: &line.x,
+                y: &line.y,
+            })
             .collect(),
         levels: vec![],
     });
     let bands = match (range, ride.worst_s) {
-        (None, Some([from, to])) => vec![Band { from, to, name: "worst" }],
+        (None, Some([from, to])) => vec![Band {
+            from,
+            to,
+            name: "worst",
+        }],
         _ => vec![],
     };
-    Chart { title, x_range: range, panels: panels.collect(), bands, panel_height_px: 150.0, ..Chart::default() }.svg()
+    Chart {
+        title,
+        x_range: range,
+        panels: panels.collect(),
+        bands,
+        panel_height_px: 150.0,
+        ..Chart::default()
+    }
+    .svg()
 }
 
 /// The page as HTML.
@@ -175,25 +206,56 @@ pub fn compare_page(content: &ComparePage) -> String {
             let share = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
             let size = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{:.3}", x * scale));
             let (vaf, held) = (share(s.vaf), share(s.held_vaf));
-            vec![name, s.horizon_s.clone(), vaf, size(s.rmse), size(s.rmse_at_end), held, size(s.held_rmse), unit.to_owned()]
+            vec![
+                name,
+                s.horizon_s.clone(),
+                vaf,
+                size(s.rmse),
+                size(s.rmse_at_end),
+                held,
+                size(s.held_rmse),
+                unit.to_owned(),
+            ]
         })
         .collect();
     page.table(&columns, &rows);
     for ride in &content.rides {
         if let Some([from, to]) = ride.worst_s {
-            page.section(&format!("Worst stretch: {from:.2} to {to:.2} s of {}", ride.name));
-            page.picture(&figure(ride, Some((from, to)), "Measured and predicted in the worst stretch"));
+            page.section(&format!(
+                "Worst stretch: {from:.2} to {to:.2} s of {}",
+                ride.name
+            ));
+            page.picture(&figure(
+                ride,
+                Some((from, to)),
+                "Measured and predicted in the worst stretch",
+            ));
         }
     }
     for ride in &content.rides {
         page.section(&format!("Measured against predicted: {}", ride.name));
-        page.picture(&figure(ride, None, "Measured and predicted over the whole ride"));
+        page.picture(&figure(
+            ride,
+            None,
+            "Measured and predicted over the whole ride",
+        ));
     }
     if !content.relations.is_empty() {
         page.section("Channel against channel");
         page.note("Without any dynamics: a slope near one and a correlation near one say that signs, units and axes fit.");
-        let columns = [("relation", Cells::Text), ("slope", Cells::Number), ("correlation", Cells::Number)];
-        page.table(&columns, &content.relations.iter().map(|r| r.to_vec()).collect::<Vec<_>>());
+        let columns = [
+            ("relation", Cells::Text),
+            ("slope", Cells::Number),
+            ("correlation", Cells::Number),
+        ];
+        page.table(
+            &columns,
+            &content
+                .relations
+                .iter()
+                .map(|r| r.to_vec())
+                .collect::<Vec<_>>(),
+        );
     }
     if !content.findings.is_empty() {
         page.section("Seen in the data");
@@ -214,11 +276,21 @@ mod tests {
         let channel = ChannelPlot {
             quantity: "roll_rate_rad_s".into(),
             measured: (0..100).map(|k| [0.05 * f64::from(k), 0.1]).collect(),
-            predicted: (1..100).map(|k| [0.05 * f64::from(k), 0.2, 0.05 * f64::from(k % 10 + 1)]).collect(),
+            predicted: (1..100)
+                .map(|k| [0.05 * f64::from(k), 0.2, 0.05 * f64::from(k % 10 + 1)])
+                .collect(),
             free_run: vec![[1.0, 0.3], [1.5, 0.4]],
         };
-        let ride = RidePlot { name: "a & b".into(), channels: vec![channel.clone()], worst_s: Some([1.0, 3.0]) };
-        let row = ScoreRow { channel: "roll_rate_rad_s".into(), horizon_s: "2".into(), ..ScoreRow::default() };
+        let ride = RidePlot {
+            name: "a & b".into(),
+            channels: vec![channel.clone()],
+            worst_s: Some([1.0, 3.0]),
+        };
+        let row = ScoreRow {
+            channel: "roll_rate_rad_s".into(),
+            horizon_s: "2".into(),
+            ..ScoreRow::default()
+        };
         let content = ComparePage {
             title: "t".into(),
             statements: vec!["wrong by <half>".into()],
@@ -227,7 +299,14 @@ mod tests {
             ..ComparePage::default()
         };
         let html = compare_page(&content);
-        for text in ["roll rate", "deg/s", "wrong by &lt;half&gt;", "a &amp; b", "1.00 to 3.00 s", "one longer free run"] {
+        for text in [
+            "roll rate",
+            "deg/s",
+            "wrong by &lt;half&gt;",
+            "a &amp; b",
+            "1.00 to 3.00 s",
+            "one longer free run",
+        ] {
             assert!(html.contains(text), "{text}");
         }
         assert!(!html.contains("NaN"));

@@ -24,7 +24,7 @@
 
 use super::state::{SLIP, SPIN, STEER_RATE, State};
 use super::tree::Tree;
-use super::vector::{Vec3, add, axpy, cross, dot, scale, sub};
+use super::vector::{Vec3, add, axpy, build, cross, dot, scale, sub};
 use super::{dynamics::Pose, inertia::Spatial};
 use crate::Scalar;
 use crate::tyre::{Tyre, TyreInput, TyreModel, TyreOutput};
@@ -302,11 +302,11 @@ pub(super) fn wheel_wrench<T: Scalar>(
     c: &WheelContact<T>,
 ) -> (Spatial<T>, T) {
     let t = &c.tyre;
-    let force: Vec3<T> = core::array::from_fn(|k| {
+    let force: Vec3<T> = build(|k| {
         at.forward[k] * t.longitudinal_n + at.right[k] * t.lateral_n - at.down[k] * c.load_n
     });
     let turn = cross(at.arm, force);
-    let moment: Vec3<T> = core::array::from_fn(|k| {
+    let moment: Vec3<T> = build(|k| {
         turn[k]
             + at.down[k] * t.aligning_nm
             + at.forward[k] * t.overturning_nm
@@ -353,7 +353,7 @@ pub(super) fn lying_wrench<T: Scalar>(
     let slide = sub(speed, scale(down, sink));
     // Friction turns over smoothly at 0.1 m/s.
     let grip = load.scale(LYING_FRICTION) / (dot(slide, slide) + T::from_f64(0.01)).sqrt();
-    let force: Vec3<T> = core::array::from_fn(|k| -(down[k] * load) - slide[k] * grip);
+    let force: Vec3<T> = build(|k| -(down[k] * load) - slide[k] * grip);
     let turn = cross(at, force);
     [turn[0], turn[1], turn[2], force[0], force[1], force[2]]
 }

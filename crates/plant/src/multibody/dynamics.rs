@@ -29,7 +29,7 @@ use super::state::{
     ANGULAR, LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, TRUNK, TRUNK_RATE,
 };
 use super::tree::{Hinge, Tree};
-use super::vector::{Vec3, add, axpy, cross, dot, lift, scale};
+use super::vector::{Vec3, add, axpy, build, cross, dot, lift, scale};
 use crate::Scalar;
 
 /// Generalized forces on the tree, gravity excluded.
@@ -143,10 +143,8 @@ impl Tree {
         Pose {
             rotation,
             steer: (s, c),
-            front_hub: core::array::from_fn(|k| {
-                T::from_f64(hub[0][k]) + c.scale(hub[1][k]) + s.scale(hub[2][k])
-            }),
-            front_axle: core::array::from_fn(|k| c.scale(axle[0][k]) + s.scale(axle[1][k])),
+            front_hub: build(|k| T::from_f64(hub[0][k]) + c.scale(hub[1][k]) + s.scale(hub[2][k])),
+            front_axle: build(|k| c.scale(axle[0][k]) + s.scale(axle[1][k])),
             pitch_axis: e2,
             twist_axis: [s2, -(s1 * c2), c1 * c2],
             trunk_x: axpy(scale(e1, c3), s3, e2),

@@ -14,7 +14,7 @@
 use super::dynamics::{Accelerations, Forces};
 use super::inertia::{Spatial, power};
 use super::tree::Tree;
-use super::vector::Vec3;
+use super::vector::{Vec3, build};
 use crate::Scalar;
 
 /// The tree in one state, factored: solves for accelerations under any forces.
@@ -105,10 +105,10 @@ impl<T: Scalar> Factored<T> {
     pub(super) fn accelerations(&self, tree: &Tree, forces: &Forces<T>) -> Accelerations<T> {
         let bias = &self.bias;
         let net = Forces {
-            wrench: core::array::from_fn(|k| forces.wrench[k] - bias.wrench[k]),
+            wrench: build(|k| forces.wrench[k] - bias.wrench[k]),
             steer: forces.steer - bias.steer,
-            trunk: core::array::from_fn(|k| forces.trunk[k] - bias.trunk[k]),
-            legs: core::array::from_fn(|k| forces.legs[k] - bias.legs[k]),
+            trunk: build(|k| forces.trunk[k] - bias.trunk[k]),
+            legs: build(|k| forces.legs[k] - bias.legs[k]),
             spin: forces.spin,
         };
         let mut a = self.response(tree, &net);

@@ -18,7 +18,7 @@ use super::state::{
     LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, TRUNK, TRUNK_RATE,
 };
 use super::tree::Tree;
-use super::vector::{Vec3, add, axpy, cross, dot, lift, scale, sub};
+use super::vector::{Vec3, add, axpy, build, cross, dot, lift, scale, sub};
 use crate::Scalar;
 
 /// The handlebar's stop: stiff enough to hold it, soft enough for a step of 1 ms.
@@ -181,10 +181,9 @@ impl LinearArms {
     ) -> ArmLine<T> {
         let (s, c) = pose.steer;
         let g = &self.grips[k];
-        let grip: Vec3<T> =
-            core::array::from_fn(|i| T::from_f64(g[0][i]) + c.scale(g[1][i]) + s.scale(g[2][i]));
+        let grip: Vec3<T> = build(|i| T::from_f64(g[0][i]) + c.scale(g[1][i]) + s.scale(g[2][i]));
         let [sx, sy, sz] = self.shoulders[k];
-        let shoulder: Vec3<T> = core::array::from_fn(|i| {
+        let shoulder: Vec3<T> = build(|i| {
             pose.trunk_x[i].scale(sx) + pose.trunk_y[i].scale(sy) + pose.twist_axis[i].scale(sz)
         });
         let joint: Vec3<T> = lift(&tree.trunk.joint);
@@ -192,7 +191,7 @@ impl LinearArms {
         let length = dot(gap, gap).sqrt();
         let direction = scale(gap, T::one() / length);
         // Velocities relative to the base.
-        let turn: Vec3<T> = core::array::from_fn(|i| c.scale(g[2][i]) - s.scale(g[1][i]));
+        let turn: Vec3<T> = build(|i| c.scale(g[2][i]) - s.scale(g[1][i]));
         let w = self.relative(x, pose);
         let speed = sub(scale(turn, x[STEER_RATE]), cross(w, shoulder));
         ArmLine {

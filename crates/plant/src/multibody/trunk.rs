@@ -17,7 +17,7 @@ use super::dynamics::{Forces, Pose};
 use super::inertia::{Inertia, Spatial, tensor_times};
 use super::state::{State, TRUNK_RATE};
 use super::tree::Tree;
-use super::vector::{Vec3, add, axpy, cross, dot, lift, scale};
+use super::vector::{Vec3, add, axpy, build, cross, dot, lift, scale};
 use crate::Scalar;
 
 /// Decoupled columns of the trunk, inverse pivots, and entries 10, 20, 21 of the unit lower factor.
@@ -37,11 +37,10 @@ impl Tree {
         let part = &self.trunk;
         let (tx, ty, tz) = (pose.trunk_x, pose.trunk_y, pose.twist_axis);
         let [jx, jy, jz, jxz] = part.tensor;
-        let first: Vec3<T> =
-            core::array::from_fn(|k| tx[k].scale(part.first[0]) + tz[k].scale(part.first[1]));
-        let gx: Vec3<T> = core::array::from_fn(|k| tx[k].scale(jx) + tz[k].scale(jxz));
-        let gy: Vec3<T> = core::array::from_fn(|k| ty[k].scale(jy));
-        let gz: Vec3<T> = core::array::from_fn(|k| tx[k].scale(jxz) + tz[k].scale(jz));
+        let first: Vec3<T> = build(|k| tx[k].scale(part.first[0]) + tz[k].scale(part.first[1]));
+        let gx: Vec3<T> = build(|k| tx[k].scale(jx) + tz[k].scale(jxz));
+        let gy: Vec3<T> = build(|k| ty[k].scale(jy));
+        let gz: Vec3<T> = build(|k| tx[k].scale(jxz) + tz[k].scale(jz));
         let entry = |a: usize, b: usize| gx[a] * tx[b] + gy[a] * ty[b] + gz[a] * tz[b];
         let zero = T::zero();
         // Tensor about the joint, base axes.
@@ -95,24 +94,12 @@ impl Tree {
 
         // Couplings: momentum per unit joint rate.
         let free = part.free;
-        let column = |axis: Vec3<T>, j: Vec3<T>, free: f64| -> Spatial<T> {
-            let p = cross(axis, first);
-            let l = add(j, cross(joint, p));
-            [
-                l[0].scale(free),
-                l[1].scale(free),
-                l[2].scale(free),
-                p[0].scale(free),
-                p[1].scale(free),
-                p[2].scale(free),
-            ]
-        };
         let e1 = [T::one(), zero, zero];
         let j1 = [tensor[0], tensor[3], tensor[4]];
         let (j2, j3) = (tensor_times(&tensor, a2), tensor_times(&tensor, a3));
-        let f1 = column(e1, j1, free[0]);
-        let f2 = column(a2, j2, free[1]);
-        let f3 = column(a3, j3, free[2]);
+        let f1 = column(e1, j1, first, joint, free[0]);
+        let f2 = column(a2, j2, first, joint, free[1]);
+        let f3 = column(a3, j3, first, joint, free[2]);
         let locked = |k: usize| T::from_f64(1.0 - free[k]);
         let d11 = tensor[0].scale(free[0]) + locked(0);
         let d21 = j2[0].scale(free[1] * free[0]);
@@ -148,4 +135,25 @@ impl Tree {
         inertia[9] += m;
         ([f1, g2, g3], [i1, i2, i3], [l21, l31, l32])
     }
+}
+
+/// Momentum about the base origin per unit rate about `axis`; `j` is tensor times axis.
+#[inline(always)]
+fn column<T: Scalar>(
+    axis: Vec3<T>,
+    j: Vec3<T>,
+    first: Vec3<T>,
+    joint: Vec3<T>,
+    free: f64,
+) -> Spatial<T> {
+    let p = cross(axis, first);
+    let l = add(j, cross(joint, p));
+    [
+        l[0].scale(free),
+        l[1].scale(free),
+        l[2].scale(free),
+        p[0].scale(free),
+        p[1].scale(free),
+        p[2].scale(free),
+    ]
 }

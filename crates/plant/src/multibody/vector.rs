@@ -5,31 +5,42 @@ use crate::Scalar;
 /// Three components.
 pub type Vec3<T> = [T; 3];
 
+/// An array from its entries. Written out as a loop, so that it is compiled into its caller with
+/// the caller's instruction set.
+#[inline(always)]
+pub fn build<T: Scalar, const N: usize>(entry: impl Fn(usize) -> T) -> [T; N] {
+    let mut out = [T::zero(); N];
+    for k in 0..N {
+        out[k] = entry(k);
+    }
+    out
+}
+
 /// A constant vector.
 #[inline(always)]
 pub fn lift<T: Scalar, const N: usize>(a: &[f64; N]) -> [T; N] {
-    core::array::from_fn(|i| T::from_f64(a[i]))
+    build(|i| T::from_f64(a[i]))
 }
 
 #[inline(always)]
 pub fn add<T: Scalar, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
-    core::array::from_fn(|i| a[i] + b[i])
+    build(|i| a[i] + b[i])
 }
 
 #[inline(always)]
 pub fn sub<T: Scalar, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
-    core::array::from_fn(|i| a[i] - b[i])
+    build(|i| a[i] - b[i])
 }
 
 #[inline(always)]
 pub fn scale<T: Scalar, const N: usize>(a: [T; N], k: T) -> [T; N] {
-    core::array::from_fn(|i| a[i] * k)
+    build(|i| a[i] * k)
 }
 
 /// `a + k b`.
 #[inline(always)]
 pub fn axpy<T: Scalar, const N: usize>(a: [T; N], k: T, b: [T; N]) -> [T; N] {
-    core::array::from_fn(|i| a[i] + k * b[i])
+    build(|i| a[i] + k * b[i])
 }
 
 #[inline(always)]
@@ -82,7 +93,7 @@ pub fn rows_times<T: Scalar>(rows: &[Vec3<T>; 3], v: Vec3<T>) -> Vec3<T> {
 /// Transpose of a matrix, given by rows, times vector.
 #[inline(always)]
 pub fn columns_times<T: Scalar>(rows: &[Vec3<T>; 3], v: Vec3<T>) -> Vec3<T> {
-    core::array::from_fn(|i| rows[0][i] * v[0] + rows[1][i] * v[1] + rows[2][i] * v[2])
+    build(|i| rows[0][i] * v[0] + rows[1][i] * v[1] + rows[2][i] * v[2])
 }
 
 /// Quaternion (w, x, y, z) of yaw, then roll, then pitch (the 3-1-2 sequence of Meijaard et al.

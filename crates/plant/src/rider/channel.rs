@@ -14,12 +14,17 @@ impl<const N: usize> DelayLine<N> {
     /// A line of `delay_s`, rounded to whole ticks of `step_s`, filled with zeros.
     pub fn new(delay_s: f64, step_s: f64) -> Self {
         let ticks = libm::round(delay_s.clamp(0.0, MAX_DELAY_S) / step_s) as usize;
-        Self { past: vec![[0.0; N]; ticks], next: 0 }
+        Self {
+            past: vec![[0.0; N]; ticks],
+            next: 0,
+        }
     }
 
     /// Takes in the present and gives back what was taken in `delay_s` ago.
     pub fn push(&mut self, present: [f64; N]) -> [f64; N] {
-        let Some(slot) = self.past.get_mut(self.next) else { return present };
+        let Some(slot) = self.past.get_mut(self.next) else {
+            return present;
+        };
         let delayed = core::mem::replace(slot, present);
         self.next = (self.next + 1) % self.past.len();
         delayed
@@ -43,13 +48,19 @@ pub struct NeuromuscularLag {
 impl NeuromuscularLag {
     /// At rest.
     pub fn new(frequency_rad_s: f64, damping_ratio: f64) -> Self {
-        Self { frequency_rad_s, damping_ratio, value: 0.0, rate: 0.0 }
+        Self {
+            frequency_rad_s,
+            damping_ratio,
+            value: 0.0,
+            rate: 0.0,
+        }
     }
 
     /// One tick towards `target`.
     pub fn step(&mut self, target: f64, step_s: f64) -> f64 {
         let w = self.frequency_rad_s;
-        self.rate += step_s * (w * w * (target - self.value) - 2.0 * self.damping_ratio * w * self.rate);
+        self.rate +=
+            step_s * (w * w * (target - self.value) - 2.0 * self.damping_ratio * w * self.rate);
         self.value += step_s * self.rate;
         self.value
     }

@@ -110,11 +110,21 @@ pub enum RiderError {
     },
 }
 
-pub(crate) fn in_range(key: &'static str, found: f64, low: f64, high: f64, accepted: &'static str) -> Result<(), RiderError> {
+pub(crate) fn in_range(
+    key: &'static str,
+    found: f64,
+    low: f64,
+    high: f64,
+    accepted: &'static str,
+) -> Result<(), RiderError> {
     if found >= low && found <= high {
         Ok(())
     } else {
-        Err(RiderError::OutOfRange { key, found, accepted })
+        Err(RiderError::OutOfRange {
+            key,
+            found,
+            accepted,
+        })
     }
 }
 
@@ -125,7 +135,9 @@ impl RiderFile {
     /// Where a number is out of range; the message names the key.
     pub fn start(&self, seed: u64, step_s: f64) -> Result<Rider, RiderError> {
         if self.schema_version != 1 {
-            return Err(RiderError::Version { found: self.schema_version });
+            return Err(RiderError::Version {
+                found: self.schema_version,
+            });
         }
         let pedals = Pedals::new(&self.pedals)?;
         Ok(match &self.rider {
@@ -150,6 +162,9 @@ pub struct HandsOffParameters {}
 
 impl RiderModel for HandsOff {
     fn act(&mut self, perception: &Perception, _step_s: f64) -> Action {
-        Action { steer_torque_nm: 0.0, pedal_force_n: self.pedals.force_n(perception) }
+        Action {
+            steer_torque_nm: 0.0,
+            pedal_force_n: self.pedals.force_n(perception),
+        }
     }
 }

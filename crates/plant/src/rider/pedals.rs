@@ -24,9 +24,24 @@ impl Pedals {
     /// # Errors
     /// Where a number is out of range.
     pub fn new(p: &PedalsParameters) -> Result<Self, RiderError> {
-        in_range("pedals.speed_gain_ns_m", p.speed_gain_ns_m, 0.0, 1e4, "0 to 10000 N s/m")?;
-        in_range("pedals.force_limit_n", p.force_limit_n, 0.0, 500.0, "0 to 500 N")?;
-        Ok(Self { speed_gain_ns_m: p.speed_gain_ns_m, force_limit_n: p.force_limit_n })
+        in_range(
+            "pedals.speed_gain_ns_m",
+            p.speed_gain_ns_m,
+            0.0,
+            1e4,
+            "0 to 10000 N s/m",
+        )?;
+        in_range(
+            "pedals.force_limit_n",
+            p.force_limit_n,
+            0.0,
+            500.0,
+            "0 to 500 N",
+        )?;
+        Ok(Self {
+            speed_gain_ns_m: p.speed_gain_ns_m,
+            force_limit_n: p.force_limit_n,
+        })
     }
 
     /// The force of this tick, N, between 0 and the limit.

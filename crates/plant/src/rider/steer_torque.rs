@@ -14,7 +14,9 @@
 //!
 //! Checked by: the unit tests below and the closed-loop rides.
 
-use super::{Action, DelayLine, NeuromuscularLag, Pedals, Perception, RiderError, RiderModel, in_range};
+use super::{
+    Action, DelayLine, NeuromuscularLag, Pedals, Perception, RiderError, RiderModel, in_range,
+};
 use crate::noise::{ColouredNoise, stream};
 use serde::{Deserialize, Serialize};
 
@@ -66,27 +68,78 @@ pub struct SteerTorque {
 impl SteerTorque {
     /// # Errors
     /// Where a number is out of range; the message names the key.
-    pub fn new(p: &SteerTorqueParameters, pedals: Pedals, seed: u64, step_s: f64) -> Result<Self, RiderError> {
+    pub fn new(
+        p: &SteerTorqueParameters,
+        pedals: Pedals,
+        seed: u64,
+        step_s: f64,
+    ) -> Result<Self, RiderError> {
         in_range("delay_s", p.delay_s, 0.0, super::MAX_DELAY_S, "0 to 1 s")?;
-        in_range("neuromuscular_rad_s", p.neuromuscular_rad_s, 1.0, 200.0, "1 to 200 rad/s")?;
-        in_range("neuromuscular_damping_ratio", p.neuromuscular_damping_ratio, 0.1, 5.0, "0.1 to 5")?;
+        in_range(
+            "neuromuscular_rad_s",
+            p.neuromuscular_rad_s,
+            1.0,
+            200.0,
+            "1 to 200 rad/s",
+        )?;
+        in_range(
+            "neuromuscular_damping_ratio",
+            p.neuromuscular_damping_ratio,
+            0.1,
+            5.0,
+            "0.1 to 5",
+        )?;
         in_range("remnant_sd_nm", p.remnant_sd_nm, 0.0, 20.0, "0 to 20 Nm")?;
-        in_range("remnant_bandwidth_rad_s", p.remnant_bandwidth_rad_s, 0.1, 200.0, "0.1 to 200 rad/s")?;
-        in_range("torque_limit_nm", p.torque_limit_nm, 0.0, 100.0, "0 to 100 Nm")?;
+        in_range(
+            "remnant_bandwidth_rad_s",
+            p.remnant_bandwidth_rad_s,
+            0.1,
+            200.0,
+            "0.1 to 200 rad/s",
+        )?;
+        in_range(
+            "torque_limit_nm",
+            p.torque_limit_nm,
+            0.0,
+            100.0,
+            "0 to 100 Nm",
+        )?;
         if p.gains.is_empty() || p.gains.windows(2).any(|w| w[0].speed_m_s >= w[1].speed_m_s) {
             return Err(RiderError::GainTable);
         }
         for row in &p.gains {
             in_range("gains.speed_m_s", row.speed_m_s, 0.0, 30.0, "0 to 30 m/s")?;
-            in_range("gains.roll_nm_rad", row.roll_nm_rad, -1e3, 1e3, "-1000 to 1000 Nm/rad")?;
-            in_range("gains.roll_rate_nms_rad", row.roll_rate_nms_rad, -1e3, 1e3, "-1000 to 1000 Nm s/rad")?;
-            in_range("gains.heading_nm_rad", row.heading_nm_rad, -1e3, 1e3, "-1000 to 1000 Nm/rad")?;
+            in_range(
+                "gains.roll_nm_rad",
+                row.roll_nm_rad,
+                -1e3,
+                1e3,
+                "-1000 to 1000 Nm/rad",
+            )?;
+            in_range(
+                "gains.roll_rate_nms_rad",
+                row.roll_rate_nms_rad,
+                -1e3,
+                1e3,
+                "-1000 to 1000 Nm s/rad",
+            )?;
+            in_range(
+                "gains.heading_nm_rad",
+                row.heading_nm_rad,
+                -1e3,
+                1e3,
+                "-1000 to 1000 Nm/rad",
+            )?;
         }
         Ok(Self {
             gains: p.gains.clone(),
             delay: DelayLine::new(p.delay_s, step_s),
             lag: NeuromuscularLag::new(p.neuromuscular_rad_s, p.neuromuscular_damping_ratio),
-            remnant: ColouredNoise::new(p.remnant_sd_nm, p.remnant_bandwidth_rad_s, stream(seed, "rider.remnant")),
+            remnant: ColouredNoise::new(
+                p.remnant_sd_nm,
+                p.remnant_bandwidth_rad_s,
+                stream(seed, "rider.remnant"),
+            ),
             torque_limit_nm: p.torque_limit_nm,
             pedals,
         })
@@ -119,13 +172,19 @@ fn gains_at(table: &[Gains], speed_m_s: f64) -> Gains {
 
 impl RiderModel for SteerTorque {
     fn act(&mut self, now: &Perception, step_s: f64) -> Action {
-        let [roll, roll_rate, yaw] = self.delay.push([now.roll_rad, now.roll_rate_rad_s, now.yaw_rad]);
+        let [roll, roll_rate, yaw] =
+            self.delay
+                .push([now.roll_rad, now.roll_rate_rad_s, now.yaw_rad]);
         let k = self.gains_at(now.speed_m_s);
-        let wanted = -k.roll_nm_rad * roll - k.roll_rate_nms_rad * roll_rate - k.heading_nm_rad * yaw
-            + self.remnant.step(step_s);
+        let wanted =
+            -k.roll_nm_rad * roll - k.roll_rate_nms_rad * roll_rate - k.heading_nm_rad * yaw
+                + self.remnant.step(step_s);
         let limit = self.torque_limit_nm;
         let torque = self.lag.step(wanted.clamp(-limit, limit), step_s);
-        Action { steer_torque_nm: torque, pedal_force_n: self.pedals.force_n(now) }
+        Action {
+            steer_torque_nm: torque,
+            pedal_force_n: self.pedals.force_n(now),
+        }
     }
 }
 
@@ -143,11 +202,24 @@ mod tests {
             remnant_bandwidth_rad_s: 10.0,
             torque_limit_nm: 20.0,
             gains: vec![
-                Gains { speed_m_s: 4.0, roll_nm_rad: 20.0, roll_rate_nms_rad: 2.0, heading_nm_rad: 0.0 },
-                Gains { speed_m_s: 6.0, roll_nm_rad: 10.0, roll_rate_nms_rad: 0.0, heading_nm_rad: 0.0 },
+                Gains {
+                    speed_m_s: 4.0,
+                    roll_nm_rad: 20.0,
+                    roll_rate_nms_rad: 2.0,
+                    heading_nm_rad: 0.0,
+                },
+                Gains {
+                    speed_m_s: 6.0,
+                    roll_nm_rad: 10.0,
+                    roll_rate_nms_rad: 0.0,
+                    heading_nm_rad: 0.0,
+                },
             ],
         };
-        let pedals = Pedals::new(&PedalsParameters { speed_gain_ns_m: 50.0, force_limit_n: 100.0 });
+        let pedals = Pedals::new(&PedalsParameters {
+            speed_gain_ns_m: 50.0,
+            force_limit_n: 100.0,
+        });
         SteerTorque::new(&p, pedals.expect("valid"), 1, 0.001).expect("valid")
     }
 
@@ -162,10 +234,23 @@ mod tests {
     #[test]
     fn leaning_right_a_positive_gain_steers_left_after_the_delay() {
         let mut r = rider(0.2);
-        let lean = Perception { roll_rad: 0.1, speed_m_s: 6.0, ..Perception::default() };
-        let torque: Vec<f64> = (0..600).map(|_| r.act(&lean, 0.001).steer_torque_nm).collect();
-        assert!(torque[..200].iter().all(|&t| t == 0.0), "nothing before the delay");
-        assert!((torque[599] + 1.0).abs() < 0.01, "-10 Nm/rad times 0.1 rad, got {}", torque[599]);
+        let lean = Perception {
+            roll_rad: 0.1,
+            speed_m_s: 6.0,
+            ..Perception::default()
+        };
+        let torque: Vec<f64> = (0..600)
+            .map(|_| r.act(&lean, 0.001).steer_torque_nm)
+            .collect();
+        assert!(
+            torque[..200].iter().all(|&t| t == 0.0),
+            "nothing before the delay"
+        );
+        assert!(
+            (torque[599] + 1.0).abs() < 0.01,
+            "-10 Nm/rad times 0.1 rad, got {}",
+            torque[599]
+        );
     }
 
     #[test]
@@ -179,8 +264,15 @@ mod tests {
             torque_limit_nm: 1.0,
             gains: vec![],
         };
-        let pedals = Pedals::new(&PedalsParameters { speed_gain_ns_m: 0.0, force_limit_n: 0.0 }).expect("valid");
-        assert_eq!(SteerTorque::new(&p, pedals, 1, 0.001).err(), Some(RiderError::GainTable));
+        let pedals = Pedals::new(&PedalsParameters {
+            speed_gain_ns_m: 0.0,
+            force_limit_n: 0.0,
+        })
+        .expect("valid");
+        assert_eq!(
+            SteerTorque::new(&p, pedals, 1, 0.001).err(),
+            Some(RiderError::GainTable)
+        );
         p.delay_s = f64::NAN;
         let err = SteerTorque::new(&p, pedals, 1, 0.001).expect_err("NaN delay");
         assert!(err.to_string().contains("delay_s"), "{err}");

@@ -118,7 +118,12 @@ impl Wheel {
             .iter()
             .filter(back)
             .max_by_key(|(count, _)| *count)
-            .or_else(|| self.ring.iter().filter(known).min_by_key(|(count, _)| *count))
+            .or_else(|| {
+                self.ring
+                    .iter()
+                    .filter(known)
+                    .min_by_key(|(count, _)| *count)
+            })
             .copied();
         let slot = self.ring_next;
         self.ring[slot] = (self.counted, at_ns);
@@ -185,7 +190,10 @@ impl Wheel {
             return;
         }
         // The first edge after a reversal is the one that went by last: it starts the count anew.
-        if self.newest.is_some_and(|previous| previous.forward != forward) {
+        if self
+            .newest
+            .is_some_and(|previous| previous.forward != forward)
+        {
             self.forget();
             self.speed_rad_s = 0.0;
         }
