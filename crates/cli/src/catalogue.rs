@@ -5,8 +5,10 @@ use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
+use twinhub_plant::bicycles::{self, Bicycle, multibody_sets};
 use twinhub_plant::disturbance::{self, DisturbanceModel as _};
 use twinhub_plant::motor::{self, MotorDrive, MotorModel as _};
+use twinhub_plant::multibody::{self, Parameters};
 use twinhub_plant::{sensor, tyre};
 use twinhub_sim::shipped;
 
@@ -15,6 +17,9 @@ use twinhub_sim::shipped;
 pub struct ListArgs {
     /// One kind only, as printed by `twinhub list`.
     kind: Option<String>,
+    /// The bicycle whose parameters are listed: a multibody set or plant file.
+    #[arg(long, value_name = "NAME_OR_FILE", default_value = multibody_sets::FULL)]
+    bicycle: String,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -63,15 +68,31 @@ fn shipped_entries(files: &[shipped::Shipped]) -> Vec<Entry> {
         .collect()
 }
 
-fn parameter_entries() -> Vec<Entry> {
-    twinhub_linear::SYMBOLS
+/// Symbols of linear bicycles, and paths of a multibody one with its values.
+fn parameter_entries(bicycle: &Parameters) -> Vec<Entry> {
+    let symbols = twinhub_linear::SYMBOLS
         .iter()
-        .map(|symbol| entry(*symbol, twinhub_linear::unit(symbol).unwrap_or("")))
+        .map(|symbol| entry(*symbol, twinhub_linear::unit(symbol).unwrap_or("")));
+    let paths = bicycle.entries().into_iter().map(|e| {
+        let meaning = multibody::meaning(&e.path).unwrap_or_default();
+        let about = format!("{} {}: {meaning}", e.value, multibody::unit(&e.path));
+        entry(e.path, about)
+    });
+    symbols.chain(paths).collect()
+}
+
+fn bicycle_entries() -> Vec<Entry> {
+    bicycles::names()
+        .into_iter()
+        .map(|name| {
+            let about = bicycles::describe(&name).unwrap_or_default();
+            entry(name, about)
+        })
         .collect()
 }
 
 /// Every kind with its entries.
-fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
+fn catalogue(bicycle: &Parameters) -> Vec<(&'static str, Vec<Entry>)> {
     let pairs = |list: &[(&'static str, &'static str)]| -> Vec<Entry> {
         list.iter()
             .map(|(name, about)| entry(*name, *about))
@@ -81,18 +102,8 @@ fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
         ("courses", shipped_entries(shipped::COURSES)),
         ("riders", shipped_entries(shipped::RIDERS)),
         ("laws", shipped_entries(shipped::LAWS)),
-        (
-            "bicycles",
-            twinhub_linear::sets::NAMES
-                .iter()
-                .map(|name| {
-                    let source =
-                        twinhub_linear::Bicycle::load(name).map_or(String::new(), |b| b.source);
-                    entry(*name, source)
-                })
-                .collect(),
-        ),
-        ("parameters", parameter_entries()),
+        ("bicycles", bicycle_entries()),
+        ("parameters", parameter_entries(bicycle)),
         (
             "tyres",
             tyre::SETS
@@ -131,7 +142,9 @@ fn catalogue() -> Vec<(&'static str, Vec<Entry>)> {
 /// # Errors
 /// If there is no such kind.
 pub fn list(args: &ListArgs) -> anyhow::Result<ExitCode> {
-    let mut catalogue = catalogue();
+    let none: [&str; 0] = [];
+    let bicycle = bicycles::load_multibody(&args.bicycle, &none).map_err(bad_input)?;
+    let mut catalogue = catalogue(&bicycle);
     if let Some(kind) = &args.kind {
         let kinds: Vec<&str> = catalogue.iter().map(|(kind, _)| *kind).collect();
         if !kinds.contains(&kind.as_str()) {
@@ -198,22 +211,8 @@ fn explanations(name: &str) -> Vec<String> {
             texts.push(format!("{set}: {about}\n{}\n{what:#?}", what.explain()));
         }
     }
-    if twinhub_linear::sets::NAMES.contains(&name)
-        && let Ok(bicycle) = twinhub_linear::Bicycle::load(name)
-    {
-        let mut text = format!("bicycle {name}\nSource: {}\n", bicycle.source);
-        for remark in &bicycle.remarks {
-            text += &format!("Note: {remark}\n");
-        }
-        for symbol in twinhub_linear::SYMBOLS {
-            let value = bicycle.get(symbol).unwrap_or(f64::NAN);
-            text += &format!(
-                "  {symbol:<5} {value:<14} {}\n",
-                twinhub_linear::unit(symbol).unwrap_or("")
-            );
-        }
-        texts.push(text);
-    }
+    texts.extend(bicycle_text(name));
+    texts.extend(parameter_text(name));
     if let Some(h) = twinhub_types::Health::TABLE.iter().find(|h| h.code == name) {
         texts.push(format!(
             "health flag {name}\nCause: {}\nThe rider is told: {}\nClears: {}",
@@ -221,6 +220,53 @@ fn explanations(name: &str) -> Vec<String> {
         ));
     }
     texts
+}
+
+/// A bicycle with all its values.
+fn bicycle_text(name: &str) -> Option<String> {
+    let none: [&str; 0] = [];
+    let about = bicycles::describe(name)?;
+    let bicycle = bicycles::load(name, &none).ok()?;
+    let mut text = format!("bicycle {name}: {about}\nSource: {}\n", bicycle.source());
+    match &bicycle {
+        Bicycle::Benchmark(bicycle) => {
+            for remark in &bicycle.remarks {
+                text += &format!("Note: {remark}\n");
+            }
+            for symbol in twinhub_linear::SYMBOLS {
+                let value = bicycle.get(symbol).unwrap_or(f64::NAN);
+                let unit = twinhub_linear::unit(symbol).unwrap_or("");
+                text += &format!("  {symbol:<5} {value:<14} {unit}\n");
+            }
+        }
+        Bicycle::Multibody(parameters) => {
+            for e in parameters.entries() {
+                let (path, value) = (&e.path, e.value.to_string());
+                text += &format!("  {path:<52} {value:<22} {}\n", multibody::unit(path));
+            }
+            text += &format!("`twinhub bicycle {name}` prints its file.");
+        }
+    }
+    Some(text)
+}
+
+/// A parameter by its path or symbol.
+fn parameter_text(name: &str) -> Option<String> {
+    if let Some(unit) = twinhub_linear::unit(name) {
+        return Some(format!(
+            "parameter {name} of linear bicycles, {unit}: symbol of Meijaard et al. (2007), table 1"
+        ));
+    }
+    let none: [&str; 0] = [];
+    let full = bicycles::load_multibody(multibody_sets::FULL, &none).ok()?;
+    let value = full.entry(name)?;
+    Some(format!(
+        "parameter {name}: {}\nUnit: {}\nIn {}: {value}\nSource: {}",
+        multibody::meaning(name)?,
+        multibody::unit(name),
+        full.name,
+        full.source
+    ))
 }
 
 /// Prints what `name` means.

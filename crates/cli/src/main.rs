@@ -1,5 +1,6 @@
 //! The `twinhub` command: arguments and printing only; the work is done by the crates below.
 
+mod bicycle;
 mod catalogue;
 mod compare;
 mod exit;
@@ -30,6 +31,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
+    /// The file of a bicycle, to keep, to read, to edit
+    Bicycle(bicycle::BicycleArgs),
     /// Names of everything that ships
     List(catalogue::ListArgs),
     /// What a name means: equation, source, values
@@ -66,6 +69,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Modes(args) => modes::run(&args),
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Bicycle(args) => bicycle::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

@@ -3,6 +3,7 @@
 
 pub mod admissible;
 pub mod benchmark;
+pub mod bicycles;
 pub mod disturbance;
 pub mod dual;
 pub mod explain;

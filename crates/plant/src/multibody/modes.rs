@@ -52,30 +52,54 @@ impl Multibody {
     /// Modes at `speeds_m_s` (ascending) for courses like `course`, branches followed from the
     /// speed at which their shapes are clearest: the highest one with an oscillation.
     pub fn sweep(&self, course: &Course, speeds_m_s: &[f64]) -> Result<Sweep, MultibodyError> {
+        let (sweep, _, missing) = self.sweep_where_steady(course, speeds_m_s)?;
+        match missing.into_iter().next() {
+            Some((_, error)) => Err(error),
+            None => Ok(sweep),
+        }
+    }
+
+    /// The same at those of the speeds that have a steady state, with these states, and with what
+    /// is wrong at the other speeds.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn sweep_where_steady(
+        &self,
+        course: &Course,
+        speeds_m_s: &[f64],
+    ) -> Result<(Sweep, Vec<Steady>, Vec<(f64, MultibodyError)>), MultibodyError> {
         let mut points = Vec::with_capacity(speeds_m_s.len());
-        let mut last: Option<Steady> = None;
+        let (mut steady, mut missing) = (Vec::<Steady>::new(), Vec::new());
         let mut states: Vec<&'static str> = Vec::new();
         for &speed_m_s in speeds_m_s.iter().rev() {
-            let steady = self.steady_near(
-                &Course {
-                    speed_m_s,
-                    ..*course
-                },
-                last.as_ref(),
-            )?;
-            let at = self.lateral_if_straight(&steady);
-            let modes = pairs_of(&at)?;
-            points.push(ModesAt { speed_m_s, modes });
-            last = Some(steady);
-            states = at.names;
+            let course = Course {
+                speed_m_s,
+                ..*course
+            };
+            match self.steady_near(&course, steady.last()) {
+                Err(error) => missing.push((speed_m_s, error)),
+                Ok(found) => {
+                    let at = self.lateral_if_straight(&found);
+                    let modes = pairs_of(&at)?;
+                    points.push(ModesAt { speed_m_s, modes });
+                    steady.push(found);
+                    states = at.names;
+                }
+            }
         }
+        steady.reverse();
+        missing.reverse();
         points.reverse();
         if points.is_empty() {
-            return Ok(Sweep {
-                points,
-                names: Vec::new(),
-                states,
-            });
+            let names = Vec::new();
+            return Ok((
+                Sweep {
+                    points,
+                    names,
+                    states,
+                },
+                steady,
+                missing,
+            ));
         }
         let family: Vec<Vec<Eigenpair>> = points.iter().map(|p| p.modes.clone()).collect();
         // Below its weave speed the bicycle has one unstable slow oscillation: that is weave, whatever
@@ -93,11 +117,12 @@ impl Multibody {
         for (point, order) in points.iter_mut().zip(follow(&family, start)) {
             point.modes = order.iter().map(|&i| point.modes[i].clone()).collect();
         }
-        Ok(Sweep {
+        let sweep = Sweep {
             points,
             names,
             states,
-        })
+        };
+        Ok((sweep, steady, missing))
     }
 
     /// The linearised model; of straight running the lateral part alone.
@@ -130,45 +155,46 @@ impl Multibody {
         sweep: &Sweep,
         mode: ModeName,
     ) -> Result<Vec<Change>, MultibodyError> {
-        let branches: Vec<usize> = (0..sweep.names.len())
-            .filter(|&b| sweep.names[b] == mode)
-            .collect();
-        let Some(&first) = branches.first() else {
-            return Ok(Vec::new());
-        };
-        let mut found: Vec<Change> = Vec::new();
-        let mut add = |change: Change| {
-            if found
-                .iter()
-                .all(|c| (c.speed_m_s - change.speed_m_s).abs() > 1.0e-6)
-            {
-                found.push(change);
-            }
-        };
+        let branches = (0..sweep.names.len()).filter(|&b| sweep.names[b] == mode);
         // Of a conjugate pair one branch says all; where weave has split in two real ones, both count.
-        let both = if mode == ModeName::Weave {
-            &branches[..]
-        } else {
-            core::slice::from_ref(&branches[0])
-        };
-        let _ = first;
-        for window in sweep.points.windows(2) {
-            for &b in both {
-                let (low, high) = (&window[0], &window[1]);
-                let (from, to) = (low.modes[b].value.re, high.modes[b].value.re);
-                if (from > 0.0) == (to > 0.0) {
-                    continue;
+        let counted = if mode == ModeName::Weave { 2 } else { 1 };
+        let mut found: Vec<Change> = Vec::new();
+        for b in branches.take(counted) {
+            for (change, _) in self.branch_changes(course, sweep, b)? {
+                let known = |c: &Change| (c.speed_m_s - change.speed_m_s).abs() <= 1.0e-6;
+                if !found.iter().any(known) {
+                    found.push(change);
                 }
-                let speed_m_s = self.crossing(
-                    course,
-                    (low.speed_m_s, &low.modes[b]),
-                    (high.speed_m_s, &high.modes[b]),
-                )?;
-                add(Change {
-                    speed_m_s,
-                    becomes_stable: from > 0.0,
-                });
             }
+        }
+        found.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));
+        Ok(found)
+    }
+
+    /// Every change of stability of one branch, and whether it oscillates there.
+    pub(super) fn branch_changes(
+        &self,
+        course: &Course,
+        sweep: &Sweep,
+        b: usize,
+    ) -> Result<Vec<(Change, bool)>, MultibodyError> {
+        let mut found = Vec::new();
+        for window in sweep.points.windows(2) {
+            let (low, high) = (&window[0], &window[1]);
+            let (from, to) = (low.modes[b].value, high.modes[b].value);
+            if (from.re > 0.0) == (to.re > 0.0) {
+                continue;
+            }
+            let speed_m_s = self.crossing(
+                course,
+                (low.speed_m_s, &low.modes[b]),
+                (high.speed_m_s, &high.modes[b]),
+            )?;
+            let change = Change {
+                speed_m_s,
+                becomes_stable: from.re > 0.0,
+            };
+            found.push((change, from.im != 0.0 && to.im != 0.0));
         }
         Ok(found)
     }
@@ -197,11 +223,7 @@ impl Multibody {
                 },
                 guess.as_ref(),
             )?;
-            let pairs = twinhub_linear::eigenpairs(&self.state_matrix(&steady)).map_err(|e| {
-                MultibodyError::Eigenvalues {
-                    message: e.to_string(),
-                }
-            })?;
+            let pairs = pairs_of(&self.lateral_if_straight(&steady))?;
             guess = Some(steady);
             // The continuation of this one mode.
             let mode = pairs[nearest(&near, &pairs)].clone();

@@ -5,6 +5,7 @@
 
 use super::error::MultibodyError;
 use super::parameters::Parameters;
+use crate::bicycles::LoadError;
 use toml::{Table, Value};
 
 /// A parameter with its value.
@@ -34,6 +35,14 @@ impl Parameters {
             .collect()
     }
 
+    /// The value at a path, if there is one.
+    pub fn entry(&self, path: &str) -> Option<Value> {
+        let mut table = self.table();
+        slot(&mut table, path)
+            .filter(|value| !value.is_table())
+            .cloned()
+    }
+
     /// The number at a path.
     pub fn get(&self, path: &str) -> Result<f64, MultibodyError> {
         let mut table = self.table();
@@ -57,36 +66,78 @@ impl Parameters {
     /// Sets what is at a path from text: a number, `true`, `false`, or a name.
     pub fn set_text(&mut self, path: &str, text: &str) -> Result<(), MultibodyError> {
         let mut table = self.table();
-        let value = match (slot(&mut table, path), text.trim()) {
-            (Some(Value::String(_)), text) => Value::String(text.to_owned()),
-            (_, "true") => Value::Boolean(true),
-            (_, "false") => Value::Boolean(false),
-            (_, text) => match text.parse::<f64>() {
-                Ok(v) => Value::Float(v),
-                Err(_) => Value::String(text.to_owned()),
-            },
-        };
+        let value = read(slot(&mut table, path), path, text)?;
         self.set_value(path, value)
+    }
+
+    /// This set with `PATH=VALUE` assignments, checked as a whole after the last one. `tyre=NAME`
+    /// takes a tyre set for both wheels, `tyre.front=NAME` for one.
+    pub fn with<S: AsRef<str>>(&self, assignments: &[S]) -> Result<Self, LoadError> {
+        let mut table = self.table();
+        for assignment in assignments.iter().map(AsRef::as_ref) {
+            let wrong = |detail: String| LoadError::Assignment {
+                assignment: assignment.to_owned(),
+                detail,
+            };
+            let (path, text) = assignment
+                .split_once('=')
+                .map(|(path, text)| (path.trim(), text.trim()))
+                .ok_or_else(|| wrong("accepted: path=value".to_owned()))?;
+            let wheels: &[&str] = if path == "tyre" {
+                &["tyre.rear", "tyre.front"]
+            } else {
+                &[path]
+            };
+            for path in wheels {
+                let value =
+                    read(slot(&mut table, path), path, text).map_err(|e| wrong(e.to_string()))?;
+                self.put(&mut table, path, value)
+                    .map_err(|e| wrong(e.to_string()))?;
+                // Each as it is put, so that an unknown name is told at its assignment.
+                self.made(table.clone(), path, text)
+                    .map_err(|e| wrong(e.to_string()))?;
+            }
+        }
+        let changed: Self = self
+            .made(table, "", "")
+            .and_then(|changed| changed.validate().map(|()| changed))
+            .map_err(|source| LoadError::Multibody {
+                origin: self.name.clone(),
+                source,
+            })?;
+        Ok(changed)
     }
 
     fn set_value(&mut self, path: &str, value: Value) -> Result<(), MultibodyError> {
         let mut table = self.table();
         let text = value.to_string();
-        match slot(&mut table, path) {
-            Some(place) => *place = value,
-            // An option that is absent now: its parent must exist, and must know the name.
-            None => {
-                let (parent, key) = path.rsplit_once('.').ok_or_else(|| self.unknown(path))?;
-                match slot(&mut table, parent) {
-                    Some(Value::Table(t)) => {
-                        let t = only_table(t, key);
-                        t.insert(key.to_owned(), value);
-                    }
-                    _ => return Err(self.unknown(path)),
-                }
-            }
+        self.put(&mut table, path, value)?;
+        let changed = self.made(table, path, &text)?;
+        changed.validate()?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Puts a value in its place.
+    fn put(&self, table: &mut Table, path: &str, value: Value) -> Result<(), MultibodyError> {
+        if let Some(place) = slot(table, path) {
+            *place = value;
+            return Ok(());
         }
-        let changed: Self = Value::Table(table)
+        // An option that is absent now: its parent must exist, and must know the name.
+        let (parent, key) = path.rsplit_once('.').ok_or_else(|| self.unknown(path))?;
+        match slot(table, parent) {
+            Some(Value::Table(t)) => {
+                only_table(t, key).insert(key.to_owned(), value);
+                Ok(())
+            }
+            _ => Err(self.unknown(path)),
+        }
+    }
+
+    /// The parameters of a table in which `path` was just set to `text`.
+    fn made(&self, table: Table, path: &str, text: &str) -> Result<Self, MultibodyError> {
+        Value::Table(table)
             .try_into()
             .map_err(|e: toml::de::Error| {
                 if e.message().starts_with("unknown field") {
@@ -94,14 +145,11 @@ impl Parameters {
                 } else {
                     MultibodyError::Kind {
                         path: path.to_owned(),
-                        found: text,
+                        found: text.to_owned(),
                         accepted: e.message().to_owned(),
                     }
                 }
-            })?;
-        changed.validate()?;
-        *self = changed;
-        Ok(())
+            })
     }
 
     fn table(&self) -> Table {
@@ -131,6 +179,32 @@ impl Parameters {
             hint,
         }
     }
+}
+
+/// What `text` means at a place that holds `now`.
+fn read(now: Option<&mut Value>, path: &str, text: &str) -> Result<Value, MultibodyError> {
+    let text = text.trim();
+    Ok(match (now, text) {
+        (Some(Value::String(_)), _) => Value::String(text.to_owned()),
+        (Some(Value::Table(_)), name) if path.starts_with("tyre.") => {
+            let set = crate::tyre::set(name).ok_or_else(|| MultibodyError::Kind {
+                path: path.to_owned(),
+                found: name.to_owned(),
+                accepted: crate::tyre::SETS
+                    .iter()
+                    .map(|set| set.name)
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            })?;
+            Value::try_from(set.tyre).expect("plain numbers and names are representable")
+        }
+        (_, "true") => Value::Boolean(true),
+        (_, "false") => Value::Boolean(false),
+        _ => match text.parse::<f64>() {
+            Ok(v) => Value::Float(v),
+            Err(_) => Value::String(text.to_owned()),
+        },
+    })
 }
 
 /// The table itself, or the one table in it that is the tyre model.

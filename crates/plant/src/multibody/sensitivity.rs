@@ -17,6 +17,7 @@ use super::model::Multibody;
 use super::parameters::Parameters;
 use super::steady::{Course, Steady};
 use nalgebra::{Complex, DMatrix, DVector};
+use twinhub_linear::ModeName;
 
 /// Dependence of one eigenvalue on one parameter.
 #[derive(Clone, Debug)]
@@ -36,7 +37,51 @@ impl Sensitivity {
     }
 }
 
+/// How a critical speed depends on every parameter.
+#[derive(Clone, Debug)]
+pub struct SpeedSensitivity {
+    /// The eigenvalue that crosses, 1/s.
+    pub eigenvalue: Complex<f64>,
+    /// Its derivative with respect to speed, 1/m.
+    pub per_speed: Complex<f64>,
+    /// Its derivatives with respect to the parameters.
+    pub parameters: Vec<Sensitivity>,
+}
+
+impl SpeedSensitivity {
+    /// Change of the critical speed per unit of a parameter, m/s.
+    pub fn speed_per_unit(&self, parameter: &Sensitivity) -> f64 {
+        -parameter.per_unit.re / self.per_speed.re
+    }
+}
+
 impl Multibody {
+    /// Sensitivities of the critical speed of `mode`, where `course` runs at that speed.
+    ///
+    /// # Errors
+    /// If there is no steady state there, or no such mode.
+    pub fn speed_sensitivities(
+        &self,
+        course: &Course,
+        mode: ModeName,
+    ) -> Result<SpeedSensitivity, MultibodyError> {
+        let here = self.named_modes(course, &[course.speed_m_s])?;
+        let named = here.modes.points.iter().flat_map(|p| &p.modes);
+        // At its critical speed the mode of that name that is nearest the axis.
+        let eigenvalue = named
+            .filter(|m| m.name == mode)
+            .map(|m| m.pair.value)
+            .min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
+            .ok_or_else(|| MultibodyError::Eigenvalues {
+                message: format!("no {mode} mode at {} m/s", course.speed_m_s),
+            })?;
+        Ok(SpeedSensitivity {
+            eigenvalue,
+            per_speed: self.eigenvalue_per_speed(course, eigenvalue)?,
+            parameters: self.sensitivities(course, eigenvalue)?,
+        })
+    }
+
     /// Sensitivity of the eigenvalue nearest `eigenvalue` to every number in the parameters.
     /// Parameters without effect, or that cannot move (a tyre without that term), are left out.
     pub fn sensitivities(
@@ -69,6 +114,31 @@ impl Multibody {
             });
         }
         Ok(found)
+    }
+
+    /// Derivative of the eigenvalue nearest `eigenvalue` with respect to speed, 1/m.
+    ///
+    /// # Errors
+    /// If there is no steady state at this speed or beside it.
+    pub fn eigenvalue_per_speed(
+        &self,
+        course: &Course,
+        eigenvalue: Complex<f64>,
+    ) -> Result<Complex<f64>, MultibodyError> {
+        let steady = self.steady(course, None)?;
+        let (left, right) = vectors(&self.lateral_if_straight(&steady).a, eigenvalue);
+        let step = 1.0e-5 * course.speed_m_s;
+        let at = |speed_m_s: f64| -> Result<DMatrix<f64>, MultibodyError> {
+            let near = Course {
+                speed_m_s,
+                ..*course
+            };
+            let steady = self.steady(&near, Some(&steady))?;
+            Ok(self.lateral_if_straight(&steady).a)
+        };
+        let change = (at(course.speed_m_s + step)? - at(course.speed_m_s - step)?) / (2.0 * step);
+        let moved = change.map(|v| Complex::new(v, 0.0)) * &right;
+        Ok(left.dotc(&moved) / left.dotc(&right))
     }
 
     /// State matrix with one parameter changed; `None` if the value is not admitted.

@@ -79,6 +79,13 @@ pub struct Steady {
     pub(super) reduced: Reduced<f64>,
 }
 
+impl Steady {
+    /// Steer angle, rad.
+    pub fn steer_rad(&self) -> f64 {
+        self.state[super::state::STEER]
+    }
+}
+
 /// Newton steps at most.
 const STEPS: usize = 40;
 /// Largest residual of a solution (SI units of the state's derivative).
