@@ -18,6 +18,7 @@ use super::reduced::{NAMES, Reduced, place};
 use super::steady::{Course, Steady};
 use crate::Scalar;
 use crate::dual::Dual;
+use core::ops::Range;
 use nalgebra::DMatrix;
 use twinhub_linear::{EigenError, Eigenpair, Layout, eigenpairs};
 
@@ -80,21 +81,40 @@ impl Linear {
     }
 }
 
+/// Directions of one pass. The model is compiled once for them, however many states it has: with
+/// all directions at once it takes minutes to compile.
+pub(super) const DIRECTIONS: usize = 8;
+
+/// A number with its derivatives in the directions of one pass.
+pub(super) type Directional = Dual<DIRECTIONS>;
+
+/// Derivatives in `count` directions, a column each, in passes: `rows` gives the values of a pass
+/// with derivatives in its directions.
+pub(super) fn columns(
+    height: usize,
+    count: usize,
+    mut rows: impl FnMut(Range<usize>) -> Vec<Directional>,
+) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(height, count);
+    for start in (0..count).step_by(DIRECTIONS) {
+        let pass = start..(start + DIRECTIONS).min(count);
+        for (i, value) in rows(pass.clone()).iter().enumerate() {
+            for (slot, column) in pass.clone().enumerate() {
+                all[(i, column)] = value.eps[slot];
+            }
+        }
+    }
+    all
+}
+
 impl Multibody {
     /// The model linearised about a steady state.
     pub fn linearise(&self, steady: &Steady) -> Linear {
         let active = self.active();
         let n = active.len();
-        let mut a = DMatrix::zeros(n, n);
-        if n <= 14 {
-            self.jacobian::<14>(steady, &active, &mut a);
-        } else {
-            self.jacobian::<28>(steady, &active, &mut a);
-        }
-        let b = self.input_matrix(steady, &active);
         Linear {
-            a,
-            b,
+            a: self.jacobian(steady, &active, &DMatrix::identity(n, n)),
+            b: self.input_matrix(steady, &active),
             names: self.state_names(&active),
         }
     }
@@ -102,13 +122,8 @@ impl Multibody {
     /// The state matrix alone, which is what maps and searches need.
     pub fn state_matrix(&self, steady: &Steady) -> DMatrix<f64> {
         let active = self.active();
-        let mut a = DMatrix::zeros(active.len(), active.len());
-        if active.len() <= 14 {
-            self.jacobian::<14>(steady, &active, &mut a);
-        } else {
-            self.jacobian::<28>(steady, &active, &mut a);
-        }
-        a
+        let n = active.len();
+        self.jacobian(steady, &active, &DMatrix::identity(n, n))
     }
 
     /// The model linearised about the steady state of a course.
@@ -127,23 +142,42 @@ impl Multibody {
             .collect()
     }
 
-    fn jacobian<const N: usize>(&self, steady: &Steady, active: &[usize], a: &mut DMatrix<f64>) {
-        let mut r: Reduced<Dual<N>> = steady.reduced.map(Dual::constant);
-        for (i, &k) in active.iter().enumerate() {
-            r[k].eps[i] = 1.0;
-        }
-        let d = self.reduced_rhs(&r, &steady.input.lifted());
-        for (i, &k) in active.iter().enumerate() {
-            for j in 0..active.len() {
-                a[(i, j)] = d[k].eps[j];
+    /// The Jacobian times each column of `basis`.
+    pub(super) fn jacobian(
+        &self,
+        steady: &Steady,
+        active: &[usize],
+        basis: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        columns(active.len(), basis.ncols(), |pass| {
+            let mut r: Reduced<Directional> = steady.reduced.map(Dual::constant);
+            for (i, &k) in active.iter().enumerate() {
+                for (slot, column) in pass.clone().enumerate() {
+                    r[k].eps[slot] = basis[(i, column)];
+                }
             }
-        }
+            let d = self.reduced_rhs(&r, &steady.input.lifted());
+            active.iter().map(|&k| d[k]).collect()
+        })
     }
 
     fn input_matrix(&self, steady: &Steady, active: &[usize]) -> DMatrix<f64> {
-        type D = Dual<14>;
-        let mut input: Input<D> = steady.input.lifted();
-        let inputs: [&mut D; INPUTS.len()] = {
+        columns(active.len(), INPUTS.len(), |pass| {
+            let mut input: Input<Directional> = steady.input.lifted();
+            for (slot, column) in pass.enumerate() {
+                input.place(column).eps[slot] = 1.0;
+            }
+            let r: Reduced<Directional> = steady.reduced.map(Dual::constant);
+            let d = self.reduced_rhs(&r, &input);
+            active.iter().map(|&k| d[k]).collect()
+        })
+    }
+}
+
+impl<T> Input<T> {
+    /// The input at this place of [`INPUTS`].
+    fn place(&mut self, at: usize) -> &mut T {
+        let inputs: [&mut T; INPUTS.len()] = {
             let Input {
                 steer_torque_nm,
                 front_brake_nm,
@@ -152,7 +186,7 @@ impl Multibody {
                 trunk_torque_nm,
                 leg_torque_nm,
                 ..
-            } = &mut input;
+            } = self;
             let [roll, _, _] = moment_nm;
             let [lean, pitch, twist] = trunk_torque_nm;
             let [left, right] = leg_torque_nm;
@@ -168,12 +202,10 @@ impl Multibody {
                 right,
             ]
         };
-        for (k, value) in inputs.into_iter().enumerate() {
-            value.eps[k] = 1.0;
-        }
-        let r: Reduced<D> = steady.reduced.map(D::constant);
-        let d = self.reduced_rhs(&r, &input);
-        DMatrix::from_fn(active.len(), INPUTS.len(), |i, j| d[active[i]].eps[j])
+        inputs
+            .into_iter()
+            .nth(at)
+            .expect("a place of the list of inputs")
     }
 }
 

@@ -16,10 +16,10 @@
 //! Checked by: residual below 1e-9 in every solution; `tests` in `linearise`.
 
 use super::error::MultibodyError;
+use super::linearise::{Directional, columns};
 use super::model::{Input, Multibody};
 use super::reduced::{REDUCED, Reduced, place};
 use super::state::State;
-use crate::dual::Dual;
 use crate::tyre::TyreModel;
 use nalgebra::{DMatrix, DVector};
 
@@ -140,11 +140,8 @@ impl Multibody {
         let mut previous = f64::INFINITY;
         for iteration in 0..STEPS {
             let n = active.len();
-            let (values, jacobian) = if n <= 14 {
-                self.residual::<14>(course, &active, &free, &r, torque, last, steer_free)
-            } else {
-                self.residual::<28>(course, &active, &free, &r, torque, last, steer_free)
-            };
+            let (values, jacobian) =
+                self.residual(course, &active, &free, &r, torque, last, steer_free);
             residual = values.amax();
             // Converged, or as near as rounding lets it.
             if residual < ACCEPTED && (residual >= 0.5 * previous || residual < 1.0e-13) {
@@ -276,7 +273,7 @@ impl Multibody {
 
     /// Residual and Jacobian of the steady equations.
     #[allow(clippy::too_many_arguments)]
-    fn residual<const N: usize>(
+    fn residual(
         &self,
         course: &Course,
         active: &[usize],
@@ -286,44 +283,54 @@ impl Multibody {
         last: f64,
         steer_free: bool,
     ) -> (DVector<f64>, DMatrix<f64>) {
-        let constant = Dual::<N>::constant;
-        let mut dual: Reduced<Dual<N>> = r.map(constant);
-        for (i, &k) in free.iter().enumerate() {
-            dual[k].eps[i] = 1.0;
-        }
-        let mut at = free.len();
-        let mut steer_torque = constant(torque);
-        if steer_free {
-            steer_torque.eps[at] = 1.0;
-            at += 1;
-        }
-        let unknown = Dual::variable(last, at);
-        let (rear, acceleration) = match course.rear {
-            Rear::Torque(rear) => (constant(rear), unknown),
-            Rear::HoldSpeed => (unknown, constant(0.0)),
-        };
-        let input = Input {
-            front_brake_nm: constant(course.front_brake_nm),
-            rear_traction_nm: rear,
-            steer_torque_nm: steer_torque,
-            ..Input::default()
-        };
-        let d = self.reduced_rhs(&dual, &input);
-        let per_speed = constant(1.0) / dual[place::VELOCITY];
+        let constant = Directional::constant;
         let n = active.len();
-        let residual = active.iter().map(|&k| {
-            // What grows in proportion to speed.
-            let velocity = (place::ANGULAR..place::SLIP).contains(&k);
-            if velocity {
-                d[k] - acceleration * dual[k] * per_speed
-            } else {
-                d[k]
+        let mut values = DVector::zeros(n);
+        let jacobian = columns(n, n, |pass| {
+            // 1 in the direction of an unknown, if this pass has it.
+            let seed = |value: f64, at: usize| {
+                let mut number = constant(value);
+                if pass.contains(&at) {
+                    number.eps[at - pass.start] = 1.0;
+                }
+                number
+            };
+            let mut dual: Reduced<Directional> = r.map(constant);
+            for (i, &k) in free.iter().enumerate() {
+                dual[k] = seed(r[k], i);
             }
+            let mut at = free.len();
+            let mut steer_torque = constant(torque);
+            if steer_free {
+                steer_torque = seed(torque, at);
+                at += 1;
+            }
+            let unknown = seed(last, at);
+            let (rear, acceleration) = match course.rear {
+                Rear::Torque(rear) => (constant(rear), unknown),
+                Rear::HoldSpeed => (unknown, constant(0.0)),
+            };
+            let input = Input {
+                front_brake_nm: constant(course.front_brake_nm),
+                rear_traction_nm: rear,
+                steer_torque_nm: steer_torque,
+                ..Input::default()
+            };
+            let d = self.reduced_rhs(&dual, &input);
+            let per_speed = constant(1.0) / dual[place::VELOCITY];
+            let residual = active.iter().map(|&k| {
+                // What grows in proportion to speed.
+                let velocity = (place::ANGULAR..place::SLIP).contains(&k);
+                if velocity {
+                    d[k] - acceleration * dual[k] * per_speed
+                } else {
+                    d[k]
+                }
+            });
+            let residual: Vec<Directional> = residual.collect();
+            values = DVector::from_fn(n, |i, _| residual[i].re);
+            residual
         });
-        let residual: Vec<Dual<N>> = residual.collect();
-        (
-            DVector::from_fn(n, |i, _| residual[i].re),
-            DMatrix::from_fn(n, n, |i, j| residual[i].eps[j]),
-        )
+        (values, jacobian)
     }
 }

@@ -14,9 +14,7 @@
 
 use super::linearise::Linear;
 use super::model::Multibody;
-use super::reduced::Reduced;
 use super::steady::Steady;
-use crate::dual::Dual;
 use nalgebra::DMatrix;
 
 /// States that change sign in the mirror.
@@ -96,18 +94,10 @@ impl Multibody {
         let active = self.active();
         let part = Part::of(&self.state_names(&active), true);
         let n = part.names.len();
-        type D = Dual<14>;
-        if n > 14 || steady.course.roll_rad != 0.0 {
+        if steady.course.roll_rad != 0.0 {
             return self.linearise(steady).lateral();
         }
-        let mut r: Reduced<D> = steady.reduced.map(D::constant);
-        for (i, &k) in active.iter().enumerate() {
-            for c in 0..n {
-                r[k].eps[c] = part.basis[(i, c)];
-            }
-        }
-        let d = self.reduced_rhs(&r, &steady.input.lifted());
-        let columns = DMatrix::from_fn(active.len(), n, |i, c| d[active[i]].eps[c]);
+        let columns = self.jacobian(steady, &active, &part.basis);
         Linear {
             a: part.basis.transpose() * columns,
             b: DMatrix::zeros(n, 0),
