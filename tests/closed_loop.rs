@@ -136,7 +136,7 @@ struct Dies<P> {
 }
 
 impl<P: ControllerPort> ControllerPort for Dies<P> {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError> {
+    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
         if frame.header.tick >= self.at {
             return Err(LinkError::PeerDied {
                 pid: 1,

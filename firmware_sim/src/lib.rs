@@ -4,12 +4,14 @@
 //! plant may also call in its own process, with the same bits. This crate never sees the plant.
 
 mod law_file;
+mod loss;
 mod run;
 mod summary;
 
 pub use law_file::{LawFileError, parse_law, read_law};
+pub use loss::{Loss, LossEvent};
 pub use run::{Options, run};
-pub use summary::{Ended, Quantiles, Summary};
+pub use summary::{Ended, Summary};
 
 use twinhub_control::{Config, Controller};
 use twinhub_types::{ControllerFrame, Instant, Output, PlantFrame};
@@ -48,6 +50,12 @@ impl Firmware {
             .controller
             .step(now, &self.last.measurement, &self.last.intent);
         &self.output
+    }
+
+    /// True while the controller asks for no torque.
+    pub fn is_quiet(&self) -> bool {
+        let command = &self.output.command;
+        command.front_brake_nm == 0.0 && command.rear_traction_nm == 0.0
     }
 
     /// What the controller asked for last.

@@ -61,8 +61,12 @@ fn run(arguments: &Arguments) -> Result<u8, (u8, anyhow::Error)> {
     if let Some(path) = &arguments.run_dir {
         settings.run_dir = RunDir::at(path);
     }
-    let summary = firmware_sim::run(firmware_sim::Options { settings, config })
-        .map_err(|e| (e.exit_code(), e.into()))?;
+    let summary = firmware_sim::run(firmware_sim::Options {
+        settings,
+        config,
+        on_loss: Box::new(|_| {}),
+    })
+    .map_err(|e| (e.exit_code(), e.into()))?;
     if arguments.json {
         println!(
             "{}",

@@ -2,6 +2,9 @@
 
 use hdrhistogram::Histogram;
 use serde::Serialize;
+use std::time::Duration;
+use twinhub_link::timing::{Quantiles, histogram_ns, quantiles_ns};
+use twinhub_link::{Account, ControllerTiming, Rights};
 use twinhub_types::{Health, Mode};
 
 /// How the ride ended, as the controller saw it.
@@ -27,31 +30,6 @@ impl Ended {
     }
 }
 
-/// Quantiles of a time, µs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Quantiles {
-    /// Median.
-    pub p50: f64,
-    /// 99 of 100 are shorter.
-    pub p99: f64,
-    /// 999 of 1000 are shorter.
-    pub p999: f64,
-    /// The longest.
-    pub max: f64,
-}
-
-impl Quantiles {
-    pub(crate) fn of_nanos(times: &Histogram<u64>) -> Self {
-        let us = |q: f64| times.value_at_quantile(q) as f64 * 1e-3;
-        Self {
-            p50: us(0.5),
-            p99: us(0.99),
-            p999: us(0.999),
-            max: times.max() as f64 * 1e-3,
-        }
-    }
-}
-
 /// Ticks, times and health of one ride.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
@@ -59,40 +37,44 @@ pub struct Summary {
     pub schema_version: u32,
     /// How it ended.
     pub ended: Ended,
-    /// Frames answered.
-    pub ticks: u64,
-    /// From a frame's arrival to its answer, µs.
-    pub compute_us: Quantiles,
-    /// Waiting for a frame, µs; the time of the plant and both ways.
-    pub wait_us: Quantiles,
+    /// What the operating system allowed; only a real-time ride asks.
+    pub rights: Option<Rights>,
+    /// Ticks, times and health.
+    #[serde(flatten)]
+    pub timing: ControllerTiming,
     /// Mode in the last tick.
     pub mode: &'static str,
-    /// Codes of all health flags that were raised during the ride.
-    pub health: Vec<&'static str>,
 }
 
 /// Collects a [`Summary`] tick by tick.
 pub(crate) struct Tally {
     pub(crate) ticks: u64,
+    pub(crate) silent_ticks: u64,
+    pub(crate) wake_up_ns: Histogram<u64>,
     pub(crate) compute_ns: Histogram<u64>,
     pub(crate) wait_ns: Histogram<u64>,
+    overruns: u64,
     mode: Mode,
     health: Health,
 }
 
 impl Tally {
     pub(crate) fn new() -> Self {
-        // Up to one hour at three digits; longer waits count as one hour.
-        let hour_ns = 3_600_000_000_000;
-        let times =
-            || Histogram::new_with_bounds(1, hour_ns, 3).expect("bounds and digits are in range");
         Self {
             ticks: 0,
-            compute_ns: times(),
-            wait_ns: times(),
+            silent_ticks: 0,
+            wake_up_ns: histogram_ns(),
+            compute_ns: histogram_ns(),
+            wait_ns: histogram_ns(),
+            overruns: 0,
             mode: Mode::Off,
             health: Health::OK,
         }
+    }
+
+    pub(crate) fn computed(&mut self, time: Duration) {
+        self.compute_ns.saturating_record(time.as_nanos() as u64);
+        self.overruns += u64::from(time > twinhub_link::pacing::PERIOD);
     }
 
     pub(crate) fn see(&mut self, output: &twinhub_types::Output) {
@@ -101,20 +83,32 @@ impl Tally {
         self.health = self.health.with(Health::from_bits(output.health));
     }
 
-    pub(crate) fn summary(&self, ended: Ended) -> Summary {
-        let raised = |entry: &&twinhub_types::HealthEntry| self.health.any(entry.flag);
+    /// The account so far; `frames_lost` is the link's to know.
+    pub(crate) fn account(&self, frames_lost: u64) -> Account {
+        Account {
+            ticks: self.ticks,
+            frames_lost,
+            silent_ticks: self.silent_ticks,
+            overruns: self.overruns,
+            health: self.health.bits().into(),
+            wake_up_ns: quantiles_ns(&self.wake_up_ns),
+            compute_ns: quantiles_ns(&self.compute_ns),
+            wait_ns: quantiles_ns(&self.wait_ns),
+        }
+    }
+
+    pub(crate) fn summary(
+        &self,
+        ended: Ended,
+        frames_lost: u64,
+        rights: Option<Rights>,
+    ) -> Summary {
         Summary {
             schema_version: 1,
             ended,
-            ticks: self.ticks,
-            compute_us: Quantiles::of_nanos(&self.compute_ns),
-            wait_us: Quantiles::of_nanos(&self.wait_ns),
+            rights,
+            timing: ControllerTiming::from(&self.account(frames_lost)),
             mode: self.mode.name(),
-            health: Health::TABLE
-                .iter()
-                .filter(raised)
-                .map(|entry| entry.code)
-                .collect(),
         }
     }
 }
@@ -126,23 +120,37 @@ impl std::fmt::Display for Summary {
             Ended::Fell => "the bicycle fell",
             Ended::Stopped => "the plant was stopped",
         };
-        let health = if self.health.is_empty() {
+        let t = &self.timing;
+        let health = if t.health.is_empty() {
             "ok".to_owned()
         } else {
-            self.health.join(", ")
+            t.health.join(", ")
         };
         writeln!(
             f,
             "{ended} after {} ticks; mode {}, health {health}",
-            self.ticks, self.mode
+            t.ticks, self.mode
+        )?;
+        if let Some(rights) = &self.rights {
+            writeln!(f, "real time with {rights}")?;
+        }
+        writeln!(
+            f,
+            "frames lost {}, ticks without a frame {}, overruns {}",
+            t.frames_lost, t.silent_ticks, t.overruns
         )?;
         writeln!(f, "us              p50      p99    p99.9      max")?;
-        for (name, times) in [("compute", self.compute_us), ("wait", self.wait_us)] {
+        for (name, times) in [
+            ("wake-up", t.wake_up_us),
+            ("compute", t.compute_us),
+            ("wait", t.wait_us),
+        ] {
             let Quantiles {
                 p50,
                 p99,
                 p999,
                 max,
+                ..
             } = times;
             writeln!(f, "{name:<10} {p50:8.2} {p99:8.2} {p999:8.2} {max:8.1}")?;
         }

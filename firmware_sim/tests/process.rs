@@ -58,7 +58,9 @@ fn ride(port: &mut impl ControllerPort, ticks: u64, last: RideState) -> Vec<Cont
             } else {
                 RideState::Running
             };
-            port.exchange(&frame(tick, state)).expect("an answer")
+            port.exchange(&frame(tick, state))
+                .expect("a living controller")
+                .expect("lockstep knows no silence")
         })
         .collect()
 }

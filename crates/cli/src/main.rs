@@ -2,12 +2,16 @@
 
 mod bicycle;
 mod catalogue;
+mod children;
 mod compare;
+mod doctor;
 mod exit;
+mod link_args;
 mod modes;
 mod processes;
 mod ride;
 mod ride_report;
+mod torture;
 mod tyre;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -33,6 +37,10 @@ enum Command {
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
     Bicycle(bicycle::BicycleArgs),
+    /// What this machine allows a ride, and how to get more
+    Doctor(doctor::DoctorArgs),
+    /// Kill, stop and continue either side of rides, and look at what is left
+    Torture(torture::TortureArgs),
     /// Names of everything that ships
     List(catalogue::ListArgs),
     /// What a name means: equation, source, values
@@ -60,7 +68,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     // A ride writes to its own children, whose death it has to survive.
     if !matches!(
         cli.command,
-        Command::Ride(_) | Command::PlantProcess | Command::ControllerProcess
+        Command::Ride(_) | Command::Torture(_) | Command::PlantProcess | Command::ControllerProcess
     ) {
         end_quietly_on_a_closed_pipe();
     }
@@ -70,6 +78,8 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),
+        Command::Torture(args) => torture::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {
@@ -81,8 +91,8 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
             );
             Ok(ExitCode::SUCCESS)
         }
-        Command::PlantProcess => processes::plant(),
-        Command::ControllerProcess => processes::controller(),
+        Command::PlantProcess => children::plant(),
+        Command::ControllerProcess => children::controller(),
     }
 }
 

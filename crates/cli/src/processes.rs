@@ -7,21 +7,19 @@
 //! only.
 
 use crate::exit;
-use crate::ride::{coded, program};
+use crate::link_args::LinkArgs;
 use anyhow::{Context, anyhow};
 use indicatif::ProgressBar;
 use serde::{Deserialize, Serialize};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitCode, ExitStatus, Stdio};
-use std::sync::Arc;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
-use twinhub_link::ipc::PlantOffer;
-use twinhub_link::{LinkError, RideName};
-use twinhub_sim::{Ending, Metrics, Outcome, Progress, Ride, Settings};
+use twinhub_link::Timing;
+use twinhub_sim::{Ending, Metrics, Outcome, Ride};
 
 /// The hidden command of the plant's process.
 pub const PLANT: &str = "plant-process";
@@ -35,23 +33,55 @@ const PROGRESS_LINES: u64 = 200;
 
 /// What a child is told. The ride is TOML: it keeps every bit of a number.
 #[derive(Serialize, Deserialize)]
-struct Job {
-    link: String,
-    ride_toml: String,
-    log: PathBuf,
+pub struct Job {
+    /// Name of the ride.
+    pub link: String,
+    /// As [`twinhub_link::Pacing`] has it.
+    pub pacing: String,
+    /// As [`twinhub_link::Waiting`] has it.
+    pub waiting: String,
+    /// The ride.
+    pub ride_toml: String,
+    /// Where the plant writes its log.
+    pub log: PathBuf,
+    /// Ticks between two [`Report::Tick`].
+    pub report_every: u64,
+    /// Where rides meet, if not where they usually do.
+    pub run_dir: Option<PathBuf>,
 }
 
-/// What the plant's process tells.
-#[derive(Serialize, Deserialize)]
+/// What the processes tell.
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Report {
+pub enum Report {
+    /// The plant has come so far.
     Tick(u64),
+    /// The other side was noticed to be silent or gone.
+    Lost {
+        /// The monotonic clock, ns.
+        at_ns: u64,
+        /// Since the last sign of life, ms.
+        silence_ms: f64,
+    },
+    /// The controller asks for no torque any more.
+    Quiet {
+        /// The monotonic clock, ns.
+        at_ns: u64,
+        /// Ticks without a frame until then.
+        ticks: u64,
+    },
+    /// The plant's ride has come to its end.
+    #[allow(missing_docs)] // as in the outcome of a ride
     Done {
         stopped: bool,
         metrics: Metrics,
         digest: String,
+        timing: Box<Timing>,
     },
 }
+
+/// What came of a ride.
+type Done = (Outcome, Timing);
 
 /// Rides `ride` in two processes.
 ///
@@ -60,20 +90,25 @@ enum Report {
 pub fn ride(
     ride: &Ride,
     log: &Path,
+    link: &LinkArgs,
     stop: &AtomicBool,
     bar: &ProgressBar,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<Done> {
     let job = serde_json::to_string(&Job {
         link: format!(
             "ride{}-{}",
             std::process::id(),
             if ride.stabilizer_on { "on" } else { "off" }
         ),
+        pacing: link.pacing().name().to_owned(),
+        waiting: link.waiting().name().to_owned(),
         ride_toml: ride.to_toml(),
         log: log.to_owned(),
+        report_every: (ride.ticks() / PROGRESS_LINES).max(1),
+        run_dir: None,
     })?;
-    let (mut plant, plant_in) = spawn(PLANT, &job)?;
-    let (mut controller, controller_in) = match spawn(CONTROLLER, &job) {
+    let (mut plant, plant_in) = spawn(PLANT, &job, Stdio::inherit())?;
+    let (mut controller, controller_in) = match spawn(CONTROLLER, &job, Stdio::inherit()) {
         Ok(started) => started,
         Err(e) => {
             drop(plant_in);
@@ -81,22 +116,14 @@ pub fn ride(
             return Err(e);
         }
     };
+    // What the controller tells is for others; it is read so that it never blocks.
+    let _heard = reports(&mut controller);
     let done = follow(reports(&mut plant), stop, plant_in, bar);
     let plant_end = wait(&mut plant);
     let controller_end = wait(&mut controller);
     drop(controller_in);
-    if let Some((stopped, metrics, digest)) = done {
-        let ending = match (stopped, metrics.fell) {
-            (true, _) => Ending::Stopped,
-            (false, true) => Ending::Fell,
-            (false, false) => Ending::Finished,
-        };
-        return Ok(Outcome {
-            ending,
-            metrics,
-            digest,
-            log: Some(log.to_owned()),
-        });
+    if let Some(done) = done {
+        return Ok(done_with(done, log));
     }
     let what = anyhow!(
         "the ride broke off at {:.1} s: the plant's process {}, the controller's process {}; the log so far is {}",
@@ -112,12 +139,34 @@ pub fn ride(
     })
 }
 
-fn spawn(role: &str, job: &str) -> anyhow::Result<(Child, ChildStdin)> {
+/// The outcome that the plant told.
+fn done_with(done: Told, log: &Path) -> Done {
+    let (stopped, metrics, digest, timing) = done;
+    let ending = match (stopped, metrics.fell) {
+        (true, _) => Ending::Stopped,
+        (false, true) => Ending::Fell,
+        (false, false) => Ending::Finished,
+    };
+    let outcome = Outcome {
+        ending,
+        metrics,
+        digest,
+        log: Some(log.to_owned()),
+    };
+    (outcome, timing)
+}
+
+/// Starts this program again as `role`.
+///
+/// # Errors
+/// If it cannot be started.
+pub fn spawn(role: &str, job: &str, errors: Stdio) -> anyhow::Result<(Child, ChildStdin)> {
     let program = std::env::current_exe().context("this program does not know where it is")?;
     let mut child = Command::new(program)
         .arg(role)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
+        .stderr(errors)
         .process_group(0)
         .spawn()
         .with_context(|| format!("the {role} cannot be started"))
@@ -127,23 +176,25 @@ fn spawn(role: &str, job: &str) -> anyhow::Result<(Child, ChildStdin)> {
     Ok((child, input))
 }
 
-/// The plant's reports, read by a thread of their own.
-fn reports(plant: &mut Child) -> Receiver<Report> {
+/// A child's reports, read by a thread of their own.
+pub fn reports(child: &mut Child) -> Receiver<Report> {
     let (send, receive) = channel();
-    if let Some(output) = plant.stdout.take() {
+    if let Some(output) = child.stdout.take() {
         std::thread::spawn(move || {
             for line in BufReader::new(output).lines().map_while(Result::ok) {
                 let Ok(report) = serde_json::from_str(&line) else {
                     break;
                 };
-                if send.send(report).is_err() {
-                    break;
-                }
+                // Read on if nobody listens: a full pipe would stop the child.
+                let _ = send.send(report);
             }
         });
     }
     receive
 }
+
+/// Stopped, metrics, digest, timing.
+type Told = (bool, Metrics, String, Timing);
 
 /// Follows the ride to its end; `None` if there is no result.
 fn follow(
@@ -151,7 +202,7 @@ fn follow(
     stop: &AtomicBool,
     plant_in: ChildStdin,
     bar: &ProgressBar,
-) -> Option<(bool, Metrics, String)> {
+) -> Option<Told> {
     let mut plant_in = Some(plant_in);
     loop {
         if stop.load(Ordering::Relaxed) {
@@ -159,11 +210,13 @@ fn follow(
         }
         match reports.recv_timeout(Duration::from_millis(20)) {
             Ok(Report::Tick(tick)) => bar.set_position(tick),
+            Ok(Report::Lost { .. } | Report::Quiet { .. }) => {}
             Ok(Report::Done {
                 stopped,
                 metrics,
                 digest,
-            }) => return Some((stopped, metrics, digest)),
+                timing,
+            }) => return Some((stopped, metrics, digest, *timing)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 drop(plant_in);
@@ -174,7 +227,7 @@ fn follow(
 }
 
 /// Waits for a child to end; one that does not end in time is killed.
-fn wait(child: &mut Child) -> Option<ExitStatus> {
+pub fn wait(child: &mut Child) -> Option<ExitStatus> {
     let deadline = Instant::now() + LAST_WORDS;
     loop {
         match child.try_wait() {
@@ -195,86 +248,4 @@ fn fate(status: Option<ExitStatus>) -> String {
         Some((None, Some(signal))) => format!("was killed by signal {signal}"),
         _ => "is lost".into(),
     }
-}
-
-/// Reads the job; from then on, the end of standard input raises the stop flag.
-fn take_job() -> anyhow::Result<(Job, Ride, Arc<AtomicBool>)> {
-    let mut line = String::new();
-    std::io::stdin().read_line(&mut line)?;
-    let job: Job = serde_json::from_str(&line)
-        .context("this command is for `twinhub ride`, which tells it what to do on standard input")
-        .map_err(exit::bad_input)?;
-    let ride: Ride = toml::from_str(&job.ride_toml).map_err(exit::bad_input)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    std::thread::spawn(move || {
-        let _ = std::io::stdin().read_to_end(&mut Vec::new());
-        flag.store(true, Ordering::Relaxed);
-    });
-    Ok((job, ride, stop))
-}
-
-fn link_settings(job: &Job, stop: &Arc<AtomicBool>) -> Result<twinhub_link::Settings, LinkError> {
-    let mut settings = twinhub_link::Settings::new(RideName::new(&job.link)?);
-    settings.stop = Arc::clone(stop);
-    settings.identity.tool = concat!("twinhub ", env!("CARGO_PKG_VERSION")).to_owned();
-    Ok(settings)
-}
-
-fn tell(report: &Report) {
-    // A parent that no longer listens has closed our standard input too.
-    if let Ok(text) = serde_json::to_string(report) {
-        let _ = writeln!(std::io::stdout().lock(), "{text}");
-    }
-}
-
-/// The plant's process.
-///
-/// # Errors
-/// As [`twinhub_sim::ride`].
-pub fn plant() -> anyhow::Result<ExitCode> {
-    let (job, ride, stop) = take_job()?;
-    let settings = link_settings(&job, &stop).map_err(exit::environment)?;
-    let mut port = PlantOffer::open(settings)
-        .and_then(PlantOffer::accept)
-        .map_err(exit::environment)?;
-    let (version, git_hash) = program();
-    let settings = Settings {
-        log: Some(job.log),
-        version,
-        git_hash,
-    };
-    let every = (ride.ticks() / PROGRESS_LINES).max(1);
-    let mut watch = |p: Progress| {
-        if p.tick.is_multiple_of(every) {
-            tell(&Report::Tick(p.tick));
-        }
-        !stop.load(Ordering::Relaxed)
-    };
-    let outcome = twinhub_sim::ride(&ride, &settings, &mut port, &mut watch).map_err(coded)?;
-    let stopped = outcome.ending == Ending::Stopped;
-    tell(&Report::Done {
-        stopped,
-        metrics: outcome.metrics,
-        digest: outcome.digest,
-    });
-    Ok(ExitCode::SUCCESS)
-}
-
-/// The controller's process.
-///
-/// # Errors
-/// As [`firmware_sim::run`].
-pub fn controller() -> anyhow::Result<ExitCode> {
-    let (job, ride, stop) = take_job()?;
-    let settings = link_settings(&job, &stop).map_err(exit::environment)?;
-    let options = firmware_sim::Options {
-        settings,
-        config: ride.law,
-    };
-    firmware_sim::run(options).map_err(|e| match e {
-        LinkError::Interrupted => exit::interrupted(e),
-        other => exit::environment(other),
-    })?;
-    Ok(ExitCode::SUCCESS)
 }

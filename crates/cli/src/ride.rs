@@ -1,6 +1,7 @@
 //! `twinhub ride`: the same course twice, stabilizer off and on.
 
 use crate::exit;
+use crate::link_args::{LinkArgs, Target};
 use crate::processes;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use twinhub_link::{ControllerPort as _, Pacing, Rights, Timed, Timing, Waiting};
 use twinhub_sim::{Ending, Outcome, Progress, Ride, RideError, Settings};
 
 /// Arguments of `twinhub ride`.
@@ -25,9 +27,8 @@ pub struct RideArgs {
     /// Seed of everything random; the course's own if not given.
     #[arg(long)]
     seed: Option<u64>,
-    /// Ride without the second process; gives the same digests.
-    #[arg(long)]
-    in_process: bool,
+    #[command(flatten)]
+    link: LinkArgs,
     /// Directory for logs and reports; each ride gets a directory of its own in it.
     #[arg(long, default_value = "rides")]
     out: PathBuf,
@@ -42,6 +43,8 @@ pub struct Run {
     pub on: bool,
     /// What came out.
     pub outcome: Outcome,
+    /// How long the exchanges took.
+    pub timing: Timing,
 }
 
 /// Version and commit of this program.
@@ -59,7 +62,8 @@ pub fn program() -> (String, String) {
 pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
     let mut assignments = args.assignments.clone();
     assignments.extend(args.seed.map(|seed| format!("seed={seed}")));
-    let ride = Ride::load(&args.course, &assignments).map_err(exit::bad_input)?;
+    let mut ride = Ride::load(&args.course, &assignments).map_err(exit::bad_input)?;
+    ride.course.link_fault.extend(&args.link.faults);
     let dir = new_directory(&args.out, &ride.name).map_err(exit::environment)?;
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
@@ -71,13 +75,15 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         let name = if on { "on" } else { "off" };
         let bar = progress_bar(ride.ticks(), name);
         let log = dir.join(format!("{name}.mcap"));
-        let outcome = if args.in_process {
-            in_process(&ride, &log, &stop, &bar)
-        } else {
-            processes::ride(&ride, &log, &stop, &bar)
+        let done = match args.link.target() {
+            Target::Process => processes::ride(&ride, &log, &args.link, &stop, &bar),
+            Target::InProcess => in_process(&ride, &log, &args.link, &stop, &bar),
+            Target::CortexM => Err(exit::environment(anyhow::anyhow!(
+                "this build cannot start an emulated Cortex-M"
+            ))),
         };
         bar.finish_and_clear();
-        let outcome = outcome?;
+        let (outcome, timing) = done?;
         if outcome.ending == Ending::Stopped {
             eprintln!(
                 "stopped after {:.1} s; the log is {}",
@@ -86,7 +92,11 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
             );
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
-        runs.push(Run { on, outcome });
+        runs.push(Run {
+            on,
+            outcome,
+            timing,
+        });
     }
     let page = dir.join("report.html");
     crate::ride_report::write(&page, &ride, &runs).map_err(exit::environment)?;
@@ -94,6 +104,7 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         println!("{}", serde_json::to_string_pretty(&as_json(&runs, &page))?);
     } else {
         print!("{}", crate::ride_report::table(&ride, &runs));
+        print!("{}", crate::ride_report::punctuality(&runs));
         print!("{}", crate::ride_report::footer(&page));
     }
     let fell = runs.iter().any(|run| run.outcome.metrics.fell);
@@ -107,23 +118,28 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
 fn in_process(
     ride: &Ride,
     log: &Path,
+    link: &LinkArgs,
     stop: &AtomicBool,
     bar: &ProgressBar,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<(Outcome, Timing)> {
     let (version, git_hash) = program();
     let settings = Settings {
         log: Some(log.to_owned()),
         version,
         git_hash,
     };
-    let mut port = twinhub_link::InProcess::new(twinhub_sim::in_process(&ride.law));
+    let rights = (link.pacing() == Pacing::RealTime).then(Rights::acquire);
+    let spin = link.waiting() == Waiting::Spin;
+    let controller = twinhub_link::InProcess::new(twinhub_sim::in_process(&ride.law));
+    let mut port = Timed::new(controller, link.pacing(), spin).with_rights(rights);
     let mut watch = |p: Progress| {
         if p.tick.is_multiple_of(500) {
             bar.set_position(p.tick);
         }
         !stop.load(Ordering::Relaxed)
     };
-    twinhub_sim::ride(ride, &settings, &mut port, &mut watch).map_err(coded)
+    let outcome = twinhub_sim::ride(ride, &settings, &mut port, &mut watch).map_err(coded)?;
+    Ok((outcome, port.timing().unwrap_or_default()))
 }
 
 /// The error with its exit code.
@@ -184,6 +200,7 @@ fn as_json(runs: &[Run], page: &Path) -> serde_json::Value {
                 "ticks": m.ticks,
                 "missed_ticks": m.missed_ticks,
                 "digest": run.outcome.digest,
+                "timing": run.timing,
                 "log": run.outcome.log,
             })
         })

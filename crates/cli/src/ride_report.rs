@@ -13,7 +13,7 @@ use twinhub_sim::course::PlantChoice;
 pub fn table(ride: &Ride, runs: &[Run]) -> String {
     let m = |f: &dyn Fn(&Run) -> String| -> Vec<String> { runs.iter().map(f).collect() };
     let degrees = |rad: f64| format!("{:.2} deg", rad.to_degrees());
-    let rows: [(&str, Vec<String>); 8] = [
+    let rows: [(&str, Vec<String>); 10] = [
         ("stabilizer", m(&|r| if r.on { "on" } else { "off" }.into())),
         (
             "fell",
@@ -42,6 +42,17 @@ pub fn table(ride: &Ride, runs: &[Run]) -> String {
             }),
         ),
         (
+            "real-time factor",
+            m(&|r| format!("{:.1}", r.timing.real_time_factor)),
+        ),
+        (
+            "round trip p50, p99",
+            m(&|r| {
+                let t = &r.timing.round_trip_us;
+                format!("{:.2}, {:.2} us", t.p50, t.p99)
+            }),
+        ),
+        (
             "digest",
             m(&|r| {
                 r.outcome
@@ -54,11 +65,48 @@ pub fn table(ride: &Ride, runs: &[Run]) -> String {
     ];
     let mut text = format!("{}: {}\n", ride.name, ride.course.about);
     for (name, values) in rows {
-        text += &format!("  {name:<18}");
+        text += &format!("  {name:<20}");
         for value in values {
-            text += &format!("{value:>27}");
+            text += &format!("{value:>26}");
         }
         text.push('\n');
+    }
+    text
+}
+
+/// How the clock was kept in real time; empty in lockstep.
+pub fn punctuality(runs: &[Run]) -> String {
+    let mut text = String::new();
+    for run in runs {
+        let t = &run.timing;
+        if t.lateness_us.count == 0 {
+            continue;
+        }
+        let name = if run.on { "on" } else { "off" };
+        let rights = t.rights.as_ref().map(ToString::to_string);
+        text += &format!(
+            "\nstabilizer {name}, real time with {}\n  overruns {}, slipped ticks {}, missed answers {}, late answers {}\n  us                p50      p99    p99.9      max\n",
+            rights.unwrap_or_default(),
+            t.overruns,
+            t.slipped_ticks,
+            t.missed_answers,
+            t.late_answers
+        );
+        let c = t.controller.clone().unwrap_or_default();
+        for (name, q) in [
+            ("lateness", t.lateness_us),
+            ("round trip", t.round_trip_us),
+            ("wake-up", c.wake_up_us),
+            ("compute", c.compute_us),
+        ] {
+            text += &format!(
+                "  {name:<12} {:8.2} {:8.2} {:8.2} {:8.0}\n",
+                q.p50, q.p99, q.p999, q.max
+            );
+        }
+        if !c.health.is_empty() {
+            text += &format!("  controller's flags: {}\n", c.health.join(", "));
+        }
     }
     text
 }

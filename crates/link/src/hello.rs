@@ -1,6 +1,7 @@
 //! The hello: 128 bytes that each side says once, and that never change their layout.
 
 use crate::LinkError;
+use crate::pacing::Pacing;
 use twinhub_types::messages::{PROTOCOL_HASH, PROTOCOL_VERSION};
 use twinhub_types::{ControllerFrame, PlantFrame, Wire};
 
@@ -67,6 +68,7 @@ pub(crate) struct Hello {
     pub(crate) role: u32,
     pub(crate) refused: bool,
     pub(crate) session: u64,
+    pub(crate) pacing: Pacing,
     identity: Identity,
     hello_version: u32,
     transport: u32,
@@ -76,11 +78,12 @@ pub(crate) struct Hello {
 }
 
 impl Hello {
-    pub(crate) fn new(role: Role, identity: &Identity, session: u64) -> Self {
+    pub(crate) fn new(role: Role, identity: &Identity, session: u64, pacing: Pacing) -> Self {
         Self {
             role: role.number(),
             refused: false,
             session,
+            pacing,
             identity: identity.clone(),
             hello_version: HELLO_VERSION,
             transport: TRANSPORT_SHARED_MEMORY,
@@ -104,6 +107,10 @@ impl Hello {
         put(40, &self.transport.to_le_bytes());
         put(44, &self.middleware.to_le_bytes());
         put(48, &self.session.to_le_bytes());
+        put(
+            56,
+            &u32::from(self.pacing == Pacing::RealTime).to_le_bytes(),
+        );
         let tool = self.identity.tool.as_bytes();
         put(64, &tool[..tool.len().min(TOOL_BYTES)]);
         out
@@ -132,6 +139,10 @@ impl Hello {
             transport: u32_at(40)?,
             middleware: u32_at(44)?,
             session: u64_at(48)?,
+            pacing: match u32_at(56)? {
+                0 => Pacing::Lockstep,
+                _ => Pacing::RealTime,
+            },
         })
     }
 
@@ -204,6 +215,7 @@ mod tests {
             Role::Controller,
             &Identity::default(),
             0x1234_5678_9abc_def0,
+            Pacing::RealTime,
         );
         assert_eq!(Hello::parse(&hello.bytes()), Some(hello.clone()));
         let mut bytes = hello.bytes();
@@ -213,8 +225,8 @@ mod tests {
 
     #[test]
     fn every_difference_is_refused_and_both_sides_are_named() {
-        let plant = Hello::new(Role::Plant, &Identity::default(), 1);
-        let fits = Hello::new(Role::Controller, &Identity::default(), 0);
+        let plant = Hello::new(Role::Plant, &Identity::default(), 1, Pacing::Lockstep);
+        let fits = Hello::new(Role::Controller, &Identity::default(), 0, Pacing::Lockstep);
         assert!(plant.accept(&fits, 9).is_ok());
         let changes: [fn(&mut Hello); 7] = [
             |h| h.hello_version += 1,

@@ -1,28 +1,101 @@
 //! The controller as the plant sees it.
 
 use crate::LinkError;
+use crate::account::ControllerTiming;
+use crate::timing::Timing;
 use twinhub_types::{ControllerFrame, PlantFrame};
 
-/// Something that answers each frame of the plant with one of the controller.
+/// Something that happened on the link and is worth telling.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkEvent {
+    /// True for a warning, false for news.
+    pub warning: bool,
+    /// A stable code: `link.late_tick`.
+    pub code: &'static str,
+    /// A sentence.
+    pub text: String,
+}
+
+impl LinkEvent {
+    /// A warning.
+    pub fn warning(code: &'static str, text: String) -> Self {
+        Self {
+            warning: true,
+            code,
+            text,
+        }
+    }
+
+    /// News.
+    pub fn info(code: &'static str, text: String) -> Self {
+        Self {
+            warning: false,
+            code,
+            text,
+        }
+    }
+}
+
+/// Something that answers the frames of the plant: what every target implements.
 ///
-/// The plant sends frame `k` at ride time `k` ms, gets the answer to it, and applies that answer
-/// from `k` to `k + 1` ms.
+/// The plant sends frame `k` at ride time `k` ms, gets an answer, and applies it from `k` to
+/// `k + 1` ms. Only [`exchange`](Self::exchange) has to be there; the rest is for reports.
 pub trait ControllerPort {
-    /// Hands over `frame` and waits for the answer to it.
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError>;
-}
+    /// Hands over `frame` and waits for an answer that may be applied in its tick; `None` is
+    /// silence, which the drives notice. In lockstep every frame has its own answer.
+    ///
+    /// # Errors
+    /// If the controller is lost for good. The port is not used any more after that.
+    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError>;
 
-impl<P: ControllerPort + ?Sized> ControllerPort for &mut P {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError> {
-        (**self).exchange(frame)
+    /// What happened on the way and was not told yet, oldest first.
+    fn next_event(&mut self) -> Option<LinkEvent> {
+        None
+    }
+
+    /// What the controller's process says about itself.
+    fn controller_timing(&self) -> Option<ControllerTiming> {
+        None
+    }
+
+    /// Instructions that the controller took for its last answer, where its target counts them.
+    fn instructions(&self) -> Option<u64> {
+        None
+    }
+
+    /// How long the exchanges took so far, where somebody measures them.
+    fn timing(&self) -> Option<Timing> {
+        None
     }
 }
 
-impl<P: ControllerPort + ?Sized> ControllerPort for Box<P> {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError> {
-        (**self).exchange(frame)
-    }
+macro_rules! forward {
+    ($ty:ty) => {
+        impl<P: ControllerPort + ?Sized> ControllerPort for $ty {
+            #[inline]
+            fn exchange(
+                &mut self,
+                frame: &PlantFrame,
+            ) -> Result<Option<ControllerFrame>, LinkError> {
+                (**self).exchange(frame)
+            }
+            fn next_event(&mut self) -> Option<LinkEvent> {
+                (**self).next_event()
+            }
+            fn controller_timing(&self) -> Option<ControllerTiming> {
+                (**self).controller_timing()
+            }
+            fn instructions(&self) -> Option<u64> {
+                (**self).instructions()
+            }
+            fn timing(&self) -> Option<Timing> {
+                (**self).timing()
+            }
+        }
+    };
 }
+forward!(&mut P);
+forward!(Box<P>);
 
 /// A controller in the same process and thread: a closure from frame to frame.
 pub struct InProcess<F>(F);
@@ -35,10 +108,11 @@ impl<F: FnMut(&PlantFrame) -> ControllerFrame> InProcess<F> {
 }
 
 impl<F: FnMut(&PlantFrame) -> ControllerFrame> ControllerPort for InProcess<F> {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<ControllerFrame, LinkError> {
+    #[inline]
+    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
         let answer = (self.0)(frame);
         crate::protocol::check_answer(&answer, frame.header.tick, frame.header.sequence)?;
-        Ok(answer)
+        Ok(Some(answer))
     }
 }
 

@@ -9,7 +9,7 @@
 //! time slice, while a sleeper that is rung gets it back at once.
 
 use crate::LinkError;
-use crate::bell::Bell;
+use crate::page::Page;
 use crate::peer::{Peer, Woken};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +23,16 @@ pub enum Waiting {
     Spin,
     /// Sleep at once: 30 to 100 µs a tick, leaves the core to others.
     Block,
+}
+
+impl Waiting {
+    /// The name, as options have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Spin => "spin",
+            Self::Block => "block",
+        }
+    }
 }
 
 impl std::str::FromStr for Waiting {
@@ -88,10 +98,10 @@ impl Waiter {
     pub(crate) fn wait<T>(
         &mut self,
         peer: &Peer,
-        bell: &Bell,
+        page: &Page,
         tick: u64,
         deadline: Option<Instant>,
-        mut take: impl FnMut() -> Result<Option<T>, LinkError>,
+        mut take: impl FnMut() -> Option<T>,
     ) -> Result<Option<T>, LinkError> {
         if self.waiting == Waiting::Spin {
             self.waits += 1;
@@ -101,7 +111,7 @@ impl Waiter {
             if probe {
                 self.waits = 0;
             }
-            if let Some(frame) = spin(limit, &mut take)? {
+            if let Some(frame) = spin(limit, &mut take) {
                 if probe {
                     self.limit = SPIN_MAX;
                 } else if !limit.is_zero() {
@@ -120,23 +130,23 @@ impl Waiter {
                 shorter
             };
         }
-        self.sleep(peer, bell, tick, deadline, take)
+        self.sleep(peer, page, tick, deadline, take)
     }
 
     #[cold]
     fn sleep<T>(
         &self,
         peer: &Peer,
-        bell: &Bell,
+        page: &Page,
         tick: u64,
         deadline: Option<Instant>,
-        mut take: impl FnMut() -> Result<Option<T>, LinkError>,
+        mut take: impl FnMut() -> Option<T>,
     ) -> Result<Option<T>, LinkError> {
         let start = Instant::now();
         let mut report = start + REPORT;
         let found = loop {
-            bell.lie_down();
-            if let Some(frame) = take()? {
+            page.lie_down();
+            if let Some(frame) = take() {
                 break Some(frame);
             }
             let now = Instant::now();
@@ -146,8 +156,8 @@ impl Waiter {
             } else {
                 peer.sleep(nap)
             };
-            bell.get_up();
-            if let Some(frame) = take()? {
+            page.get_up();
+            if let Some(frame) = take() {
                 break Some(frame);
             }
             match woken {
@@ -180,27 +190,24 @@ impl Waiter {
                 report = now + REPORT;
             }
         };
-        bell.get_up();
+        page.get_up();
         Ok(found)
     }
 }
 
 #[inline]
-fn spin<T>(
-    limit: Duration,
-    take: &mut impl FnMut() -> Result<Option<T>, LinkError>,
-) -> Result<Option<T>, LinkError> {
+fn spin<T>(limit: Duration, take: &mut impl FnMut() -> Option<T>) -> Option<T> {
     let mut end = None;
     loop {
         for _ in 0..16 {
-            if let Some(frame) = take()? {
-                return Ok(Some(frame));
+            if let Some(frame) = take() {
+                return Some(frame);
             }
             std::hint::spin_loop();
         }
         let now = Instant::now();
         if now >= *end.get_or_insert(now + limit) {
-            return Ok(None);
+            return None;
         }
     }
 }

@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use twinhub_link::{
-    ControllerEnd, ControllerPort, LinkError, PlantEnd, PlantOffer, RideName, RunDir, Settings,
-    Waiting, leftovers,
+    ControllerEnd, ControllerPort, LinkError, Pacing, PlantEnd, PlantOffer, RideName, RunDir,
+    Settings, Timed, Waiting, leftovers,
 };
 use twinhub_types::messages::PROTOCOL_HASH;
 use twinhub_types::{ControllerFrame, PlantFrame, RideState};
@@ -62,6 +62,9 @@ fn other_process() {
     };
     let text = |name: &str| std::env::var(name).unwrap_or_default();
     let mut settings = settings(Path::new(&text("LINK_TEST_DIR")), &text("LINK_TEST_RIDE"));
+    if let Ok(ms) = text("LINK_TEST_PATIENCE_MS").parse() {
+        settings.patience = Some(Duration::from_millis(ms));
+    }
     if text("LINK_TEST_WAITING") == "block" {
         settings.waiting = Waiting::Block;
     }
@@ -164,8 +167,8 @@ fn ride(plant: &mut PlantEnd, from: u64, to: u64, last: bool) {
             RideState::Running
         };
         let sent = frame(tick, state);
-        let got = plant.exchange(&sent).expect("the controller answers");
-        assert_eq!(got, answer(&sent));
+        let got = plant.exchange(&sent).expect("a living controller");
+        assert_eq!(got, Some(answer(&sent)));
     }
 }
 
@@ -462,6 +465,162 @@ fn only_this_user_can_enter() {
         .err()
         .expect("refused");
     assert!(matches!(error, LinkError::NotPrivate { .. }), "{error}");
+}
+
+/// Runs `command` as another user, if this process may; `None` if not.
+fn as_nobody(dir: &Path, ride: &str) -> Option<std::process::Output> {
+    if !rustix::process::geteuid().is_root() {
+        println!("SKIPPED: only root can try to join as another user");
+        return None;
+    }
+    // The other user has to reach this test binary, but not the ride.
+    let copy = tempfile::Builder::new()
+        .permissions(std::fs::Permissions::from_mode(0o755))
+        .tempdir()
+        .expect("a temporary directory");
+    let exe = copy.path().join("rides");
+    // Not by ourselves: a child that another test starts meanwhile would hold the copy open.
+    let copied = Command::new("cp")
+        .arg(std::env::current_exe().expect("this test binary"))
+        .arg(&exe)
+        .status();
+    assert!(copied.expect("cp runs").success());
+    let output = Command::new("setpriv")
+        .args(["--reuid=65534", "--regid=65534", "--clear-groups", "--"])
+        .arg(&exe)
+        .args([
+            "other_process",
+            "--exact",
+            "--nocapture",
+            "--test-threads=1",
+        ])
+        .env("LINK_TEST_ROLE", "controller")
+        .env("LINK_TEST_DIR", dir)
+        .env("LINK_TEST_RIDE", ride)
+        .env("LINK_TEST_PATIENCE_MS", "300")
+        .output();
+    match output {
+        Ok(output) => Some(output),
+        Err(e) => {
+            println!("SKIPPED: setpriv cannot be run ({e})");
+            None
+        }
+    }
+}
+
+#[test]
+fn another_user_is_turned_away_by_the_directory_and_by_the_plant() {
+    let dir = run_dir();
+    let notes = Arc::new(Mutex::new(String::new()));
+    let heard = notes.clone();
+    let mut settings = settings(dir.path(), "foreign");
+    settings.notice = Arc::new(move |text| heard.lock().expect("notes").push_str(text));
+    let offer = PlantOffer::open(settings.clone()).expect("shared memory");
+    let Some(output) = as_nobody(dir.path(), "foreign") else {
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("must be a directory of user 65534"), "{said}");
+
+    // Even through an open directory the plant does not let them in: the kernel says who they are.
+    for path in [dir.path().to_owned(), dir.path().join("foreign")] {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o711)).expect("ours");
+    }
+    let socket = settings.run_dir.socket(&settings.ride);
+    std::fs::set_permissions(&socket, std::fs::Permissions::from_mode(0o777)).expect("ours");
+    let python = Command::new("setpriv")
+        .args(["--reuid=65534", "--regid=65534", "--clear-groups", "--"])
+        .args(["python3", "-c"])
+        .arg(
+            "import socket, sys\n\
+             s = socket.socket(socket.AF_UNIX)\n\
+             s.connect(sys.argv[1])\n\
+             try:\n    s.sendall(b'x' * 128)\n    heard = len(s.recv(128))\n\
+             except ConnectionError:\n    heard = 0\n\
+             print(heard)",
+        )
+        .arg(&socket)
+        .stdout(Stdio::piped())
+        .spawn();
+    let Ok(python) = python else {
+        println!("SKIPPED: no python3 to knock with");
+        return;
+    };
+    let place = dir.path().to_owned();
+    let knocked = std::thread::spawn(move || {
+        let answer = python.wait_with_output().expect("it ends");
+        for path in [place.join("foreign"), place.clone()] {
+            std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o700)).expect("ours");
+        }
+        (answer, start("controller", &place, "foreign", &[]))
+    });
+    let mut plant = offer.accept().expect("our own controller joins");
+    ride(&mut plant, 0, 10, true);
+    drop(plant);
+    let (answer, other) = knocked.join().expect("knocking");
+    assert_eq!(other.end().0, Some(0));
+    let heard = String::from_utf8_lossy(&answer.stdout).trim().to_owned();
+    assert_eq!(heard, "0", "no hello for strangers");
+    let notes = notes.lock().expect("notes");
+    assert!(notes.contains("of user 65534 was turned away"), "{notes}");
+}
+
+#[test]
+fn in_real_time_frames_are_paced_and_silence_is_no_end() {
+    let dir = run_dir();
+    let offer = PlantOffer::open(Settings {
+        pacing: Pacing::RealTime,
+        ..settings(dir.path(), "paced")
+    })
+    .expect("shared memory");
+    let other = start("controller", dir.path(), "paced", &[]);
+    let end = offer.accept().expect("the controller joins");
+    let mut plant = Timed::new(end, Pacing::RealTime, false);
+    let start_time = Instant::now();
+    let mut answered = 0;
+    for tick in 0..300 {
+        if tick == 100 {
+            other.signal(Signal::STOP);
+        }
+        if tick == 150 {
+            other.signal(Signal::CONT);
+        }
+        let state = if tick == 299 {
+            RideState::Finished
+        } else {
+            RideState::Running
+        };
+        let answer = plant.exchange(&frame(tick, state)).expect("it lives");
+        answered += u64::from(answer.is_some());
+    }
+    assert!(start_time.elapsed() >= Duration::from_millis(299));
+    let timing = plant.timing().expect("it measures");
+    assert_eq!(timing.lateness_us.count, 300);
+    assert_eq!(timing.missed_answers, 300 - answered);
+    assert!(timing.missed_answers >= 20, "{timing:?}");
+    assert!(timing.real_time_factor <= 1.01, "{timing:?}");
+    drop(plant);
+    other.signal(Signal::CONT);
+    // The answer to the last frame may be missed, the frame itself is not.
+    assert_eq!(other.end().0, Some(0));
+}
+
+#[test]
+fn one_core_is_enough_for_spinning() {
+    let dir = run_dir();
+    let mut one = rustix::thread::CpuSet::new();
+    let all = rustix::thread::sched_getaffinity(None).expect("our cores");
+    let first = (0..rustix::thread::CpuSet::MAX_CPU).find(|cpu| all.is_set(*cpu));
+    one.set(first.expect("a core"));
+    // Threads of this test and the child that they start.
+    rustix::thread::sched_setaffinity(None, &one).expect("one of our cores");
+    let offer = PlantOffer::open(settings(dir.path(), "one_core")).expect("shared memory");
+    let other = start("controller", dir.path(), "one_core", &[]);
+    let mut plant = offer.accept().expect("the controller joins");
+    ride(&mut plant, 0, 2000, true);
+    drop(plant);
+    assert_eq!(other.end().0, Some(0));
 }
 
 #[test]

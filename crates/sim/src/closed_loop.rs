@@ -10,7 +10,8 @@ use crate::record::{RiderRow, TruthRow, truth_row};
 use crate::setup::{Ride, places};
 use crate::{TICK, TICK_S};
 use std::path::PathBuf;
-use twinhub_link::{ControllerPort, LinkError};
+use twinhub_link::protocol::is_plausible;
+use twinhub_link::{ControllerPort, Faulty, LinkError};
 use twinhub_log::Level;
 use twinhub_plant::disturbance::Disturbances;
 use twinhub_plant::motor::{PowerOutput, PowerTrain};
@@ -70,6 +71,11 @@ pub struct Outcome {
 /// than the ramps of the controller (2 s) and of the drives (0.2 s).
 const RAMP_OUT_TICKS: u64 = 2_500;
 
+/// Records of the link's timing in the log, every so many ticks.
+const LINK_EVERY: u64 = 5_000;
+/// Ticks of silence after which the log says so: half of what the drives' watchdogs allow.
+pub const SILENCE_TICKS: u64 = 10;
+
 /// Rides `ride` with the controller behind `port`. `watch` is called every tick and returns false
 /// to stop the ride.
 ///
@@ -87,6 +93,7 @@ pub fn ride(
         Some(path) => Some(Logger::create(path, ride, settings)?),
         None => None,
     };
+    let mut port = Faulty::new(port, &ride.course.link_fault, ride.course.seed);
     let ticks = ride.ticks();
     let mut sums = Sums::default();
     let mut lost: Option<LinkError> = None;
@@ -94,6 +101,7 @@ pub fn ride(
     let mut stopped = false;
     let mut tick = 0;
     let mut missed_ticks = 0;
+    let mut silent_ticks = 0;
     let ending = loop {
         let now = Instant::from_nanos(tick * TICK.as_nanos());
         let truth = bench.plant.truth();
@@ -119,7 +127,17 @@ pub fn ride(
         let frame = bench.frame(now, tick, state, &truth);
         let answer = match &lost {
             None => match port.exchange(&frame) {
-                Ok(answer) => Some(answer),
+                Ok(answer) => {
+                    let usable = answer.filter(is_plausible);
+                    if let (Some(log), None, Some(answer)) = (&mut logger, &usable, &answer)
+                        && silent_ticks == 0
+                    {
+                        let command = &answer.output.command;
+                        let text = format!("an absurd command counts as silence: {command:?}");
+                        log.event(now, Level::Warning, "link.absurd", &text)?;
+                    }
+                    usable
+                }
                 Err(error) => {
                     // The drives' own watchdogs take the torque out now.
                     if let Some(log) = &mut logger {
@@ -132,10 +150,30 @@ pub fn ride(
             },
             Some(_) => None,
         };
+        if let Some(log) = &mut logger {
+            while let Some(event) = port.next_event() {
+                log.link_event(now, &event)?;
+            }
+            if tick.is_multiple_of(LINK_EVERY) && tick > 0 {
+                log.link(now, port.timing().as_ref())?;
+            }
+        }
         if state != RideState::Running || (lost.is_some() && bench.torque_is_zero()) {
             break state;
         }
         missed_ticks += u64::from(answer.is_none());
+        silent_ticks = if answer.is_some() {
+            0
+        } else {
+            silent_ticks + 1
+        };
+        if let Some(log) = &mut logger
+            && silent_ticks == SILENCE_TICKS
+            && lost.is_none()
+        {
+            let text = format!("no answer for {SILENCE_TICKS} ms; the drives ramp out after 20 ms");
+            log.event(now, Level::Warning, "link.silence", &text)?;
+        }
         let (row, rider) = bench.step(now, &truth, answer.as_ref());
         sums.add(&row, &rider, TICK_S);
         if let Some(log) = &mut logger {
@@ -161,6 +199,12 @@ pub fn ride(
     {
         let now = Instant::from_nanos(tick * TICK.as_nanos());
         log.event(now, Level::Error, "plant.fell", "the bicycle fell")?;
+    }
+    if let Some(log) = &mut logger {
+        log.link(
+            Instant::from_nanos(tick * TICK.as_nanos()),
+            port.timing().as_ref(),
+        )?;
     }
     let summary = logger.map(|log| log.finish(&metrics)).transpose()?;
     if let Some(error) = lost {

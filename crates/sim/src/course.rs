@@ -3,6 +3,7 @@
 use crate::error::SetupError;
 use serde::{Deserialize, Serialize};
 use twinhub_linear::Bicycle;
+use twinhub_link::fault::LinkFault;
 use twinhub_plant::PlantModel;
 use twinhub_plant::benchmark::{Benchmark, Resistance};
 use twinhub_plant::disturbance::{Disturbance, Disturbances, Places, Timed};
@@ -36,6 +37,9 @@ pub struct Course {
     /// What disturbs the ride.
     #[serde(default)]
     pub disturbance: Vec<Timed>,
+    /// What goes wrong on the link.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub link_fault: Vec<LinkFault>,
 }
 
 /// A point of the speed that the course asks for.
@@ -120,6 +124,15 @@ impl Course {
                 self.duration_s.to_string(),
                 "above 0, at most 36000 s",
             );
+        }
+        for (i, fault) in self.link_fault.iter().enumerate() {
+            if let Err(e) = fault.check() {
+                return bad(
+                    format!("link_fault.{i}.{}", e.key),
+                    e.found.to_string(),
+                    e.accepted,
+                );
+            }
         }
         if self.speed.is_empty() {
             return bad("speed".into(), "empty".into(), "at least one point");

@@ -3,9 +3,10 @@
 use crate::closed_loop::Settings;
 use crate::error::RideError;
 use crate::metrics::Metrics;
-use crate::record::{RiderRow, TruthRow};
+use crate::record::{LinkRow, RiderRow, TruthRow};
 use crate::setup::Ride;
 use std::path::Path;
+use twinhub_link::{LinkEvent, Timing};
 use twinhub_log::{Digest, Event, Level, Metadata, RideLog, ScenePose, Topic};
 use twinhub_types::{Instant, Measurement, Output, PlantFrame, RiderIntent};
 
@@ -20,6 +21,7 @@ pub(crate) struct Logger {
     measurement: Topic<Measurement>,
     intent: Topic<RiderIntent>,
     output: Topic<Output>,
+    link: Topic<LinkRow>,
     health: u32,
     mode: u32,
 }
@@ -60,6 +62,7 @@ impl Logger {
             measurement: log.topic(twinhub_log::SENSOR_MEASUREMENT, Digest::Digested)?,
             intent: log.topic(twinhub_log::RIDER_INTENT, Digest::Digested)?,
             output: log.topic(twinhub_log::CONTROL_OUTPUT, Digest::Digested)?,
+            link: log.topic(twinhub_log::LINK_TIMING, Digest::Left)?,
             log,
             health: 0,
             mode: u32::MAX,
@@ -130,6 +133,24 @@ impl Logger {
             self.health = output.health;
         }
         Ok(())
+    }
+
+    /// Something that happened on the link.
+    pub(crate) fn link_event(&mut self, at: Instant, event: &LinkEvent) -> Result<(), RideError> {
+        let level = if event.warning {
+            Level::Warning
+        } else {
+            Level::Info
+        };
+        self.event(at, level, event.code, &event.text)
+    }
+
+    /// How the link has done so far, where somebody measures it.
+    pub(crate) fn link(&mut self, at: Instant, timing: Option<&Timing>) -> Result<(), RideError> {
+        match timing {
+            Some(timing) => Ok(self.log.write(self.link, at, &LinkRow::from(timing))?),
+            None => Ok(()),
+        }
     }
 
     pub(crate) fn event(

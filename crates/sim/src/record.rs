@@ -50,6 +50,86 @@ row! {
 }
 
 row! {
+    /// How the link has done since the ride began. It tells about this run alone.
+    pub struct LinkRow {
+        /// Ticks without an answer that could be applied.
+        missed_count,
+        /// Ticks ridden on the answer to an earlier frame.
+        late_count,
+        /// Ticks that began a whole tick late or more.
+        overrun_count,
+        /// Ticks by which the clock was moved.
+        slipped_count,
+        /// Time ridden per time passed.
+        real_time_ratio,
+        /// From a frame to its answer: median, us.
+        round_trip_p50_us,
+        /// 99 of 100, us.
+        round_trip_p99_us,
+        /// 999 of 1000, us.
+        round_trip_p999_us,
+        /// Longest, us.
+        round_trip_max_us,
+        /// How late ticks began: median, us.
+        lateness_p50_us,
+        /// 99 of 100, us.
+        lateness_p99_us,
+        /// 999 of 1000, us.
+        lateness_p999_us,
+        /// Longest, us.
+        lateness_max_us,
+        /// The controller's process: from the sending of a frame to its arrival, median, us.
+        wake_up_p50_us,
+        /// 99 of 100, us.
+        wake_up_p99_us,
+        /// Longest, us.
+        wake_up_max_us,
+        /// From a frame's arrival to its answer, median, us.
+        compute_p50_us,
+        /// 99 of 100, us.
+        compute_p99_us,
+        /// Longest, us.
+        compute_max_us,
+        /// Frames that never reached the controller.
+        frames_lost_count,
+        /// Controller's ticks without a frame.
+        silent_count,
+        /// Controller's ticks that took longer than a tick.
+        controller_overrun_count,
+    }
+}
+
+impl From<&twinhub_link::Timing> for LinkRow {
+    fn from(t: &twinhub_link::Timing) -> Self {
+        let c = t.controller.clone().unwrap_or_default();
+        Self {
+            missed_count: t.missed_answers as f64,
+            late_count: t.late_answers as f64,
+            overrun_count: t.overruns as f64,
+            slipped_count: t.slipped_ticks as f64,
+            real_time_ratio: t.real_time_factor,
+            round_trip_p50_us: t.round_trip_us.p50,
+            round_trip_p99_us: t.round_trip_us.p99,
+            round_trip_p999_us: t.round_trip_us.p999,
+            round_trip_max_us: t.round_trip_us.max,
+            lateness_p50_us: t.lateness_us.p50,
+            lateness_p99_us: t.lateness_us.p99,
+            lateness_p999_us: t.lateness_us.p999,
+            lateness_max_us: t.lateness_us.max,
+            wake_up_p50_us: c.wake_up_us.p50,
+            wake_up_p99_us: c.wake_up_us.p99,
+            wake_up_max_us: c.wake_up_us.max,
+            compute_p50_us: c.compute_us.p50,
+            compute_p99_us: c.compute_us.p99,
+            compute_max_us: c.compute_us.max,
+            frames_lost_count: c.frames_lost as f64,
+            silent_count: c.silent_ticks as f64,
+            controller_overrun_count: c.overruns as f64,
+        }
+    }
+}
+
+row! {
     /// What the rider does over the tick.
     pub struct RiderRow {
         /// Torque on the handlebar, Nm.

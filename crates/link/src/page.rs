@@ -1,34 +1,41 @@
-//! Who sleeps: one page shared by both sides, without a name, that vanishes with them.
+//! One page shared by both sides, without a name, that vanishes with them: who sleeps, when the
+//! last frame was sent, and the controller's account of itself.
 //!
-//! Each side raises its flag before it sleeps and looks once more for a frame; the other side
+//! The bell: each side raises its flag before it sleeps and looks once more for a frame; the other side
 //! publishes its frame and then looks at that flag. Both use sequentially consistent order, so
 //! one of the two always sees the other. A flag that lies costs at most one needless or one late
-//! wake-up: every sleep is bounded.
+//! wake-up: every sleep is bounded. Everything else on the page is whole numbers for reports; no
+//! decision rests on them.
 
 use crate::LinkError;
+use crate::account::{Account, WORDS};
 use crate::hello::Role;
 use rustix::fs::{
     MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, ftruncate, memfd_create,
 };
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 use std::os::fd::OwnedFd;
-use std::sync::atomic::{AtomicU32, Ordering, fence};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering, fence};
 
 const BYTES: usize = 4096;
-/// The flags lie in cache lines of their own.
-const STRIDE_WORDS: usize = 32;
+/// The sides' flags lie in cache lines of their own.
+const FLAG_BYTES: [usize; 2] = [0, 128];
+/// When the plant sent its last frame.
+const SENT_BYTE: usize = 8;
+/// The controller's account.
+const ACCOUNT_BYTE: usize = 256;
 
-pub(crate) struct Bell {
-    page: *mut AtomicU32,
+pub(crate) struct Page {
+    page: *mut u8,
     own: usize,
     other: usize,
 }
 
-impl Bell {
+impl Page {
     /// A new page, and the file to hand to the other side.
     pub(crate) fn create(role: Role) -> Result<(Self, OwnedFd), LinkError> {
         let file = memfd_create(
-            "twinhub-bell",
+            "twinhub-page",
             MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING,
         )
         .map_err(|e| LinkError::os("creating the shared page", e))?;
@@ -66,9 +73,10 @@ impl Bell {
             )
         }
         .map_err(|e| LinkError::os("mapping the shared page", e))?;
+        let [plant, controller] = FLAG_BYTES;
         let (own, other) = match role {
-            Role::Plant => (0, STRIDE_WORDS),
-            Role::Controller => (STRIDE_WORDS, 0),
+            Role::Plant => (plant, controller),
+            Role::Controller => (controller, plant),
         };
         Ok(Self {
             page: page.cast(),
@@ -77,10 +85,45 @@ impl Bell {
         })
     }
 
-    fn flag(&self, at: usize) -> &AtomicU32 {
-        // SAFETY: `at` is 0 or STRIDE_WORDS, inside the mapped page, which lives as long as self;
-        // an AtomicU32 may be changed by others at any time.
-        unsafe { &*self.page.add(at) }
+    fn flag(&self, byte: usize) -> &AtomicU32 {
+        // SAFETY: `byte` is one of FLAG_BYTES: aligned, inside the mapped page, which lives as
+        // long as self; an atomic may be changed by others at any time.
+        unsafe { &*self.page.add(byte).cast() }
+    }
+
+    fn number(&self, byte: usize) -> &AtomicU64 {
+        assert!(byte.is_multiple_of(8) && byte + 8 <= BYTES);
+        // SAFETY: aligned and inside the mapped page, as above.
+        unsafe { &*self.page.add(byte).cast() }
+    }
+
+    /// Notes when the plant sends a frame, ns of the monotonic clock.
+    #[inline]
+    pub(crate) fn sent(&self, at_ns: u64) {
+        self.number(SENT_BYTE).store(at_ns, Ordering::Relaxed);
+    }
+
+    /// When the plant sent its last frame, as it says.
+    #[inline]
+    pub(crate) fn sent_ns(&self) -> u64 {
+        self.number(SENT_BYTE).load(Ordering::Relaxed)
+    }
+
+    /// Puts down the controller's account of itself.
+    pub(crate) fn put_account(&self, account: &Account) {
+        for (i, word) in account.words().into_iter().enumerate() {
+            self.number(ACCOUNT_BYTE + 8 * i)
+                .store(word, Ordering::Relaxed);
+        }
+    }
+
+    /// The controller's account of itself, as it says; its words may stem from two accounts.
+    pub(crate) fn account(&self) -> Account {
+        let mut words = [0; WORDS];
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = self.number(ACCOUNT_BYTE + 8 * i).load(Ordering::Relaxed);
+        }
+        Account::from_words(words)
     }
 
     /// Says that this side is about to sleep. Look for a frame once more after this.
@@ -101,7 +144,7 @@ impl Bell {
     }
 }
 
-impl Drop for Bell {
+impl Drop for Page {
     fn drop(&mut self) {
         // SAFETY: mapped in `map`, unmapped only here.
         let _ = unsafe { munmap(self.page.cast(), BYTES) };
