@@ -216,3 +216,108 @@ fn two_rides_at_once_do_not_disturb_each_other() {
         "each has a directory of its own"
     );
 }
+
+#[test]
+fn timing_tells_how_long_exchanges_took_in_every_pacing_and_waiting() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    for more in [
+        ["--pacing=lockstep", "--waiting=spin", "--target=process"],
+        ["--pacing=lockstep", "--waiting=block", "--target=process"],
+        ["--pacing=realtime", "--waiting=block", "--target=process"],
+        ["--pacing=realtime", "--waiting=spin", "--target=in-process"],
+    ] {
+        let mut arguments = vec!["ride", "--json", "--set", "duration_s=0.5"];
+        arguments.extend(more);
+        let output = twinhub(dir.path(), &arguments).output().expect("starts");
+        let value = json(&output);
+        for run in value["runs"].as_array().expect("runs") {
+            let timing = &run["timing"];
+            let number = |path: &str| timing.pointer(path).and_then(Value::as_f64);
+            for quantile in ["p50", "p99", "p999", "max"] {
+                let round_trip = number(&format!("/round_trip_us/{quantile}"));
+                assert!(round_trip.expect("a number") > 0.0, "{more:?}: {timing}");
+                assert!(number(&format!("/lateness_us/{quantile}")).is_some());
+            }
+            assert!(timing["instructions_per_tick"].is_null(), "{timing}");
+            let factor = number("/real_time_factor").expect("a number");
+            let real_time = more[0].ends_with("realtime");
+            assert!(factor > 0.0 && (!real_time || factor < 1.01), "{factor}");
+            let late = number("/lateness_us/count").expect("a number");
+            assert_eq!(late > 0.0, real_time);
+            if more[2].ends_with("=process") {
+                assert!(number("/controller/compute_us/p50").expect("a number") > 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn faults_of_the_link_have_one_digest_in_one_process_and_two() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let ride = |more: &[&str]| {
+        let mut arguments = vec!["ride", "--json", "--set", "duration_s=3"];
+        arguments.extend(more);
+        twinhub(dir.path(), &arguments).output().expect("starts")
+    };
+    let fault = "--fault=late,to_plant,start_s=1,delay_s=0.01,jitter_s=0.01";
+    let two = digests(&ride(&[fault]));
+    assert_eq!(two, digests(&ride(&[fault, "--in-process"])));
+    assert_ne!(two[1], digests(&ride(&["--in-process"]))[1]);
+    for (wrong, word) in [
+        ("--fault=late,to_plant", "delay_s"),
+        ("--fault=late,to_moon,delay_s=0.1", "to_moon"),
+        ("--fault=dropout,to_plant,share_ratio=2", "share_ratio"),
+        ("--fault=dropout", "channel"),
+    ] {
+        let output = ride(&[wrong]);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(words.contains(word), "{words}");
+    }
+}
+
+#[test]
+fn the_doctor_says_what_was_found_what_is_wanted_and_how_to_get_it() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let output = twinhub(dir.path(), &["doctor", "--json"])
+        .output()
+        .expect("starts");
+    assert_eq!(output.status.code(), Some(0));
+    let value = json(&output);
+    assert_eq!(value["rides"], true);
+    let findings = value["findings"].as_array().expect("findings");
+    for finding in findings {
+        assert!(finding["found"].is_string() && finding["wanted"].is_string());
+        let how = finding["how"].as_str().expect("how");
+        assert_eq!(how.is_empty(), finding["ok"] == true, "{finding}");
+    }
+    // Where the run directory is open to others, no ride works.
+    let open = dir.path().join("run");
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(&open, std::fs::Permissions::from_mode(0o755)).expect("ours");
+    let output = twinhub(dir.path(), &["doctor"]).output().expect("starts");
+    assert_eq!(output.status.code(), Some(3));
+    let words = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        words.contains("missing") && words.contains("chmod 700"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_little_torture_leaves_nothing_behind() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let arguments = [
+        "torture", "--kills", "6", "--seed", "7", "--jobs", "2", "--json",
+    ];
+    let output = twinhub(dir.path(), &arguments).output().expect("starts");
+    let value = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{value}");
+    assert_eq!(value["passed"], true);
+    assert_eq!(value["kills"], 6);
+    assert_eq!(
+        (&value["deadlocks"], &value["leaks"]),
+        (&0.into(), &0.into())
+    );
+    assert!(value["loss_noticed_us"]["count"].as_u64() > Some(0));
+}
