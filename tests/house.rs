@@ -37,6 +37,8 @@ const ARROWS: &[(&str, &[&str])] = &[
             "twinhub-log",
         ],
     ),
+    ("twinhub-hidden", &["twinhub-types"]),
+    ("twinhub-blind", &["twinhub-hidden", "twinhub-diagnose"]),
     (
         "twinhub-report",
         &["twinhub-types", "twinhub-linear", "twinhub-log"],

@@ -7,6 +7,7 @@
 //! axis). All take plain numbers and text; degrees appear here and nowhere before.
 
 pub mod axis;
+pub mod blind;
 pub mod chart;
 pub mod compare;
 pub mod line;
