@@ -8,8 +8,8 @@ use std::path::Path;
 pub struct Ask {
     /// Mechanisms that its library has to do without.
     pub without: Vec<String>,
-    /// Mechanisms that it is told are there: the oracle, which only fits them.
-    pub given: Vec<String>,
+    /// If not empty, its whole library: the oracle, told what there is to find.
+    pub only: Vec<String>,
 }
 
 /// A diagnosis, as the suite sees it.

@@ -22,4 +22,4 @@ pub use metrics::{Metric, metrics};
 pub use plan::{Planned, plan};
 pub use reading::Reading;
 pub use run::{Outcome, RunError, run, run_scenario};
-pub use suite::{SuiteError, suite};
+pub use suite::{SuiteError, suite, timing};

@@ -219,7 +219,7 @@ impl Engine for Recorder {
         self.0.fetch_add(1, Ordering::Relaxed);
         assert!(study.is_file() && study.with_file_name("ride_07.csv.gz").is_file());
         let mut found = says("cause", &[("steer_damping", &["steer_damping"], 1.0)]);
-        found.causes[0].held_out_gain_nats = Some(if ask.given.is_empty() { 9.0 } else { 10.0 });
+        found.causes[0].held_out_gain_nats = Some(if ask.only.is_empty() { 9.0 } else { 10.0 });
         found.detection_limits = [(
             "steer_damping".to_owned(),
             [("nms_rad".to_owned(), 0.2)].into(),

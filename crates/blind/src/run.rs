@@ -114,11 +114,11 @@ pub fn run_scenario(
         .collect();
     let oracle_nats = match planned.oracle {
         true => {
-            let given = truth.effects.iter().map(|e| e.mechanism.clone()).collect();
+            let only = truth.effects.iter().map(|e| e.mechanism.clone()).collect();
             let told = ask(
                 &study,
                 &Ask {
-                    given,
+                    only,
                     ..Ask::default()
                 },
             )?;

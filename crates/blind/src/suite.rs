@@ -3,12 +3,13 @@
 use crate::engine::Engine;
 use crate::gates;
 use crate::plan::Planned;
-use crate::run::{Outcome, RunError, run};
+use crate::run::{Outcome, RunError, run, run_scenario};
 use rayon::prelude::*;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use twinhub_hidden::{Kind, Scenario};
 
 /// Why a suite stops.
 #[non_exhaustive]
@@ -59,6 +60,23 @@ pub fn suite(
         outcome
     };
     Ok(sets.par_iter().with_max_len(1).map(one).collect())
+}
+
+/// Seconds that one diagnosis of seven rides of 60 s takes, reading included, on one thread and with
+/// nothing else running here.
+///
+/// # Errors
+/// If the rides cannot be made or are refused.
+pub fn timing(engine: &impl Engine, seed: u64) -> Result<f64, RunError> {
+    let mut scenario = Scenario::new(Kind::Clean, seed);
+    scenario.layout.duration_s = 60.0;
+    let planned = Planned {
+        kind: Kind::Clean.name().to_owned(),
+        seed,
+        multiples: vec![],
+        oracle: false,
+    };
+    run_scenario(engine, &planned, &scenario).map(|outcome| outcome.seconds)
 }
 
 fn read(path: &Path) -> Result<Vec<Outcome>, SuiteError> {

@@ -17,7 +17,7 @@ pub enum Needs {
 }
 
 /// One effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Effect {
     /// Name of the mechanism, or of what no library has.
     pub name: &'static str,
@@ -35,6 +35,13 @@ pub struct Effect {
     /// Sizes of either sign make sense.
     pub signed: bool,
     set: fn(&mut Truth, f64),
+}
+
+/// Names are unique.
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
 }
 
 impl Effect {

@@ -14,7 +14,7 @@ pub struct Recorded {
 }
 
 /// A kind of channel and how its sensor errs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct ChannelKind {
     pub column: &'static str,
     /// In the words of study files.
