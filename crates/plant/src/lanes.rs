@@ -7,7 +7,7 @@
 //!
 //! Assumes and ignores: arguments of sine and cosine below 1e5 in magnitude.
 //!
-//! Valid for: N of 2, 4 or 8; other numbers work, without gain.
+//! Valid for: N of 2, 4 or 8; other numbers up to 8 work, without gain.
 //!
 //! Checked by: `lanes_agree_with_libm` (1 unit in the last place for sine, cosine, arc tangent,
 //! exponential).
@@ -23,15 +23,27 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 #[repr(align(32))]
 pub struct Lanes<const N: usize>(pub [f64; N]);
 
+/// Does `$body` for each `$k` below `N`, written out: thousands of short loops in one function take
+/// the compiler minutes to unroll.
+macro_rules! each_lane {
+    ($k:ident, $body:expr) => {
+        each_lane!(@ $k, $body, 0 1 2 3 4 5 6 7)
+    };
+    (@ $k:ident, $body:expr, $($lane:literal)*) => {$(
+        if N > $lane {
+            const $k: usize = $lane;
+            $body;
+        }
+    )*};
+}
+
 macro_rules! lanewise {
     ($($trait:ident $method:ident $op:tt),*) => {$(
         impl<const N: usize> $trait for Lanes<N> {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                for (a, b) in self.0.iter_mut().zip(other.0) {
-                    *a $op b;
-                }
+                each_lane!(K, self.0[K] $op other.0[K]);
                 self
             }
         }
@@ -65,9 +77,7 @@ impl<const N: usize> Neg for Lanes<N> {
 impl<const N: usize> Lanes<N> {
     #[inline(always)]
     fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for k in 0..N {
-            self.0[k] = f(self.0[k]);
-        }
+        each_lane!(K, self.0[K] = f(self.0[K]));
         self
     }
 }
@@ -76,29 +86,41 @@ impl<const N: usize> Lanes<N> {
 /// the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// Bit operations lane by lane.
-#[inline(always)]
-fn bits<const N: usize>(a: Lanes<N>, b: Lanes<N>, f: impl Fn(u64, u64) -> u64) -> Lanes<N> {
-    let mut out = a;
-    for k in 0..N {
-        out.0[k] = f64::from_bits(f(a.0[k].to_bits(), b.0[k].to_bits()));
-    }
-    out
+/// Numbers side by side whose bits can be got at: what the functions below are made of.
+pub(crate) trait Side: Scalar {
+    /// Bit operations lane by lane.
+    fn bits(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self;
 }
 
-/// Horner's scheme, constant first.
-#[inline(always)]
-fn polynomial<const N: usize>(z: Lanes<N>, c: &[f64]) -> Lanes<N> {
-    let mut sum = Lanes([c[c.len() - 1]; N]);
-    for k in (0..c.len() - 1).rev() {
-        sum = Lanes([c[k]; N]) + z * sum;
+impl<const N: usize> Side for Lanes<N> {
+    #[inline(always)]
+    fn bits(mut self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        each_lane!(
+            K,
+            self.0[K] = f64::from_bits(f(self.0[K].to_bits(), other.0[K].to_bits()))
+        );
+        self
     }
+}
+
+/// Horner's scheme, constant first, at most six coefficients.
+#[inline(always)]
+fn polynomial<V: Side, const C: usize>(z: V, c: [f64; C]) -> V {
+    let mut sum = V::from_f64(c[C - 1]);
+    macro_rules! terms {
+        ($($k:literal)*) => {$(
+            if C > $k + 1 {
+                sum = V::from_f64(c[$k]) + z * sum;
+            }
+        )*};
+    }
+    terms!(4 3 2 1 0);
     sum
 }
 
 /// Sine and cosine without branches.
 #[inline(always)]
-fn sin_cos<const N: usize>(x: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
+pub(crate) fn sin_cos<V: Side>(x: V) -> (V, V) {
     const PIO2_1: f64 = 1.570_796_326_734_125_614_17;
     const PIO2_1T: f64 = 6.077_100_506_506_192_249_32e-11;
     const S: [f64; 6] = [
@@ -117,9 +139,9 @@ fn sin_cos<const N: usize>(x: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
         2.087_572_321_298_174_827_90e-09,
         -1.135_964_755_778_819_482_65e-11,
     ];
-    let one = Lanes([1.0; N]);
-    let quadrant = x.scale(core::f64::consts::FRAC_2_PI) + Lanes([ROUNDER; N]);
-    let k = quadrant - Lanes([ROUNDER; N]);
+    let one = V::from_f64(1.0);
+    let quadrant = x.scale(core::f64::consts::FRAC_2_PI) + V::from_f64(ROUNDER);
+    let k = quadrant - V::from_f64(ROUNDER);
     let head = x - k.scale(PIO2_1);
     let tail = k.scale(PIO2_1T);
     let r = head - tail;
@@ -127,26 +149,26 @@ fn sin_cos<const N: usize>(x: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     let z = r * r;
     let w = z * z;
     let v = z * r;
-    let ps = polynomial(z, &S[1..4]) + z * w * polynomial(z, &S[4..]);
+    let ps = polynomial(z, [S[1], S[2], S[3]]) + z * w * polynomial(z, [S[4], S[5]]);
     let sine = r - ((z * (rest.scale(0.5) - v * ps) - rest) - v.scale(S[0]));
-    let pc = z * polynomial(z, &C[..3]) + w * w * polynomial(z, &C[3..]);
+    let pc = z * polynomial(z, [C[0], C[1], C[2]]) + w * w * polynomial(z, [C[3], C[4], C[5]]);
     let hz = z.scale(0.5);
     let top = one - hz;
     let cosine = top + (((one - top) - hz) + (z * pc - r * rest));
     // Odd quadrants exchange the two; signs follow the quadrant.
-    let both = bits(sine, cosine, |s, c| s ^ c);
-    let swapped = bits(both, quadrant, |b, q| b & (q & 1).wrapping_neg());
-    let s = bits(sine, swapped, |a, b| a ^ b);
-    let c = bits(cosine, swapped, |a, b| a ^ b);
+    let both = sine.bits(cosine, |s, c| s ^ c);
+    let swapped = both.bits(quadrant, |b, q| b & (q & 1).wrapping_neg());
+    let s = sine.bits(swapped, |a, b| a ^ b);
+    let c = cosine.bits(swapped, |a, b| a ^ b);
     (
-        bits(s, quadrant, |a, q| a ^ ((q & 2) << 62)),
-        bits(c, quadrant, |a, q| a ^ ((q.wrapping_add(1) & 2) << 62)),
+        s.bits(quadrant, |a, q| a ^ ((q & 2) << 62)),
+        c.bits(quadrant, |a, q| a ^ ((q.wrapping_add(1) & 2) << 62)),
     )
 }
 
 /// Arc tangent without branches.
 #[inline(always)]
-fn atan<const N: usize>(x: Lanes<N>) -> Lanes<N> {
+pub(crate) fn atan<V: Side>(x: V) -> V {
     const A: [f64; 11] = [
         3.333_333_333_333_293_180_27e-01,
         -1.999_999_999_987_648_324_76e-01,
@@ -160,9 +182,9 @@ fn atan<const N: usize>(x: Lanes<N>) -> Lanes<N> {
         -3.653_157_274_421_691_552_70e-02,
         1.628_582_011_536_578_236_23e-02,
     ];
-    let c = |v: f64| Lanes([v; N]);
+    let c = |v: f64| V::from_f64(v);
     let one = c(1.0);
-    let a = bits(x, x, |v, _| v & !(1 << 63));
+    let a = x.bits(x, |v, _| v & !(1 << 63));
     // The argument is reduced about 0, 1/2, 1, 3/2 or infinity.
     let (near_half, near_one) = (a - c(0.4375), a - c(0.6875));
     let (near_three_halves, far) = (a - c(1.1875), a - c(2.4375));
@@ -185,15 +207,15 @@ fn atan<const N: usize>(x: Lanes<N>) -> Lanes<N> {
     let t = numerator / denominator;
     let z = t * t;
     let w = z * z;
-    let s1 = z * polynomial(w, &[A[0], A[2], A[4], A[6], A[8], A[10]]);
-    let s2 = w * polynomial(w, &[A[1], A[3], A[5], A[7], A[9]]);
+    let s1 = z * polynomial(w, [A[0], A[2], A[4], A[6], A[8], A[10]]);
+    let s2 = w * polynomial(w, [A[1], A[3], A[5], A[7], A[9]]);
     let y = high - ((t * (s1 + s2) - low) - t);
-    bits(y, x, |a, b| a ^ (b & (1 << 63)))
+    y.bits(x, |a, b| a ^ (b & (1 << 63)))
 }
 
 /// Exponential without branches, held within the range of finite results.
 #[inline(always)]
-fn exp<const N: usize>(x: Lanes<N>) -> Lanes<N> {
+pub(crate) fn exp<V: Side>(x: V) -> V {
     const P: [f64; 5] = [
         1.666_666_666_666_660_190_37e-01,
         -2.777_777_777_701_559_338_42e-03,
@@ -201,7 +223,7 @@ fn exp<const N: usize>(x: Lanes<N>) -> Lanes<N> {
         -1.653_390_220_546_525_153_90e-06,
         4.138_136_797_057_238_460_39e-08,
     ];
-    let c = |v: f64| Lanes([v; N]);
+    let c = |v: f64| V::from_f64(v);
     let x = x.clamp(c(-708.0), c(708.0));
     let turned = x.scale(core::f64::consts::LOG2_E) + c(ROUNDER);
     let k = turned - c(ROUNDER);
@@ -209,20 +231,25 @@ fn exp<const N: usize>(x: Lanes<N>) -> Lanes<N> {
     let low = k.scale(1.908_214_929_270_587_700_02e-10);
     let r = high - low;
     let z = r * r;
-    let q = r - z * polynomial(z, &P);
+    let q = r - z * polynomial(z, P);
     let y = c(1.0) + (r * q / (c(2.0) - q) - low + high);
     // The low bits of the rounder's sum are k: shifted into the exponent they scale by 2^k.
-    bits(y, turned, |a, b| a.wrapping_add(b << 52))
+    y.bits(turned, |a, b| a.wrapping_add(b << 52))
 }
 
 impl<const N: usize> Scalar for Lanes<N> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
+        const { assert!(N <= 8, "at most eight lanes") };
         Self([value; N])
     }
     #[inline(always)]
     fn value(self) -> f64 {
         self.0[0]
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -239,9 +266,7 @@ impl<const N: usize> Scalar for Lanes<N> {
     }
     #[inline(always)]
     fn atan2(mut self, x: Self) -> Self {
-        for k in 0..N {
-            self.0[k] = libm::atan2(self.0[k], x.0[k]);
-        }
+        each_lane!(K, self.0[K] = libm::atan2(self.0[K], x.0[K]));
         self
     }
     #[inline(always)]
@@ -255,13 +280,12 @@ impl<const N: usize> Scalar for Lanes<N> {
     #[inline(always)]
     fn select(self, then: Self, otherwise: Self) -> Self {
         let mut out = otherwise;
-        for k in 0..N {
-            out.0[k] = if self.0[k] > 0.0 {
-                then.0[k]
-            } else {
-                otherwise.0[k]
-            };
-        }
+        each_lane!(
+            K,
+            if self.0[K] > 0.0 {
+                out.0[K] = then.0[K]
+            }
+        );
         out
     }
     #[inline(always)]

@@ -9,6 +9,8 @@ pub mod dual;
 pub mod explain;
 pub mod integrate;
 pub mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod lanes_avx;
 pub mod motor;
 pub mod multibody;
 pub mod noise;

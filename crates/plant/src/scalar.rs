@@ -20,12 +20,17 @@ pub trait Scalar:
     + SubAssign
     + 'static
 {
-    /// Whether the right-hand side is worth a second copy for wider registers.
+    /// Whether the right-hand side is worth a second copy for AVX2.
     const WIDE: bool = false;
     /// A constant.
     fn from_f64(value: f64) -> Self;
     /// The value without derivatives; of lanes, the first.
     fn value(self) -> f64;
+    /// The largest value of all lanes.
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.value()
+    }
     /// Square root.
     fn sqrt(self) -> Self;
     /// Sine and cosine.
@@ -105,7 +110,9 @@ impl Scalar for f64 {
     }
     #[inline]
     fn sqrt(self) -> Self {
-        libm::sqrt(self)
+        // Correctly rounded by definition, so the same bits as libm's; and compiled for the caller's
+        // instruction set, where libm's own instruction stalls among AVX ones.
+        f64::sqrt(self)
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {

@@ -43,7 +43,7 @@ pub(super) fn contact_rates<T: Scalar>(
 }
 
 /// What unit contact forces do to the tree: the rows of J.
-fn unit_forces<T: Scalar>(tree: &Tree, points: &[ContactPoint<T>; 2]) -> [Forces<T>; 6] {
+pub(super) fn unit_forces<T: Scalar>(tree: &Tree, points: &[ContactPoint<T>; 2]) -> [Forces<T>; 6] {
     core::array::from_fn(|k| {
         let (wheel, p) = (k / 3, &points[k / 3]);
         let e = [p.forward, p.right, p.down][k % 3];
@@ -61,7 +61,7 @@ fn unit_forces<T: Scalar>(tree: &Tree, points: &[ContactPoint<T>; 2]) -> [Forces
 }
 
 /// Row of J times accelerations (or velocities).
-fn along<T: Scalar>(row: &Forces<T>, base: &Spatial<T>, steer: T, spin: [T; 2]) -> T {
+pub(super) fn along<T: Scalar>(row: &Forces<T>, base: &Spatial<T>, steer: T, spin: [T; 2]) -> T {
     power(&row.wrench, base) + row.steer * steer + row.spin[0] * spin[0] + row.spin[1] * spin[1]
 }
 
@@ -209,15 +209,21 @@ impl Multibody {
 
     /// Moves a state onto the constraints: wheels on the road, contacts without slip. On tyres it
     /// only brings the quaternion back to unit length.
+    #[inline(always)]
     pub fn project<T: Scalar>(&self, x: &mut State<T>) {
         let q = x.attitude();
         let n = T::one() / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
         for k in 0..4 {
             x[ATTITUDE + k] = q[k] * n;
         }
-        if !self.no_slip {
-            return;
+        if self.no_slip {
+            self.constrain(x);
         }
+    }
+
+    /// Onto the constraints of wheels without slip.
+    #[inline(never)]
+    fn constrain<T: Scalar>(&self, x: &mut State<T>) {
         self.touch_down(x, 2);
         let pose = self.tree.pose(x);
         let grounds = self.grounds(x, &pose, None);

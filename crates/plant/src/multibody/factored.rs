@@ -166,8 +166,8 @@ impl<T: Scalar> Factored<T> {
             }
         }
         solve_symmetric(&self.lower, &self.inverse, &mut base);
-        let hinge_rate =
-            |j: usize| (hinge_torque[j] - power(&self.couplings[j], &base)).scale(self.inverses[j]);
+        let hinge_rate: [T; 3] =
+            build(|j| (hinge_torque[j] - power(&self.couplings[j], &base)).scale(self.inverses[j]));
         let t2 = z[2] - power(&self.trunk[2], &base) * self.trunk_inverse[2];
         let t1 =
             z[1] - power(&self.trunk[1], &base) * self.trunk_inverse[1] - self.trunk_lower[2] * t2;
@@ -180,9 +180,9 @@ impl<T: Scalar> Factored<T> {
             + base[2] * self.front_axle[2];
         Accelerations {
             base,
-            steer: hinge_rate(0),
+            steer: hinge_rate[0],
             trunk: [t0, t1, t2],
-            legs: [hinge_rate(1), hinge_rate(2)],
+            legs: [hinge_rate[1], hinge_rate[2]],
             spin: [
                 (net.spin[0].scale(tree.wheels[0].inverse_inertia)) + base[1].scale(free[0]),
                 (net.spin[1].scale(tree.wheels[1].inverse_inertia)) + about_axle.scale(free[1]),

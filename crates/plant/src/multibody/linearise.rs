@@ -212,17 +212,23 @@ impl<T> Input<T> {
 impl Input<f64> {
     /// The same input as constants of another number type.
     pub fn lifted<T: Scalar>(&self) -> Input<T> {
-        let c = T::from_f64;
+        self.mapped(T::from_f64)
+    }
+}
+
+impl<S: Scalar> Input<S> {
+    /// The same input, each number by `f`.
+    pub(super) fn mapped<T: Scalar>(&self, f: impl Fn(S) -> T + Copy) -> Input<T> {
         Input {
-            front_brake_nm: c(self.front_brake_nm),
-            rear_traction_nm: c(self.rear_traction_nm),
-            steer_torque_nm: c(self.steer_torque_nm),
-            trunk_torque_nm: self.trunk_torque_nm.map(c),
-            leg_torque_nm: self.leg_torque_nm.map(c),
-            force_n: self.force_n.map(c),
-            force_at_m: self.force_at_m.map(c),
-            moment_nm: self.moment_nm.map(c),
-            wind_m_s: self.wind_m_s.map(c),
+            front_brake_nm: f(self.front_brake_nm),
+            rear_traction_nm: f(self.rear_traction_nm),
+            steer_torque_nm: f(self.steer_torque_nm),
+            trunk_torque_nm: self.trunk_torque_nm.map(f),
+            leg_torque_nm: self.leg_torque_nm.map(f),
+            force_n: self.force_n.map(f),
+            force_at_m: self.force_at_m.map(f),
+            moment_nm: self.moment_nm.map(f),
+            wind_m_s: self.wind_m_s.map(f),
         }
     }
 }

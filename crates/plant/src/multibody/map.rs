@@ -34,6 +34,48 @@ impl MapPoint {
     pub fn growth_rad_s(&self) -> Option<f64> {
         self.eigenvalues.iter().map(|z| z.re).reduce(f64::max)
     }
+
+    /// Largest real part of the modes that oscillate (weave, or wobble where that is worse), 1/s.
+    pub fn oscillating_growth_rad_s(&self) -> Option<f64> {
+        self.largest(|z| z.im != 0.0)
+    }
+
+    /// Largest real part of the modes that do not oscillate (capsize), 1/s.
+    pub fn slow_growth_rad_s(&self) -> Option<f64> {
+        self.largest(|z| z.im == 0.0)
+    }
+
+    fn largest(&self, which: impl Fn(&Complex<f64>) -> bool) -> Option<f64> {
+        let chosen = self.eigenvalues.iter().filter(|z| which(z));
+        chosen.map(|z| z.re).reduce(f64::max)
+    }
+}
+
+/// Ranges of speed in which a row of a map is stable, m/s; ends between two speeds by the straight
+/// line between their growths.
+pub fn stable_ranges_m_s(row: &[MapPoint]) -> Vec<[f64; 2]> {
+    let mut ranges: Vec<[f64; 2]> = Vec::new();
+    let mut before: Option<(f64, f64)> = None;
+    for point in row {
+        let speed = point.speed_m_s;
+        let Some(growth) = point.growth_rad_s() else {
+            before = None;
+            continue;
+        };
+        let crossing = |v: f64, g: f64| v + (speed - v) * g / (g - growth);
+        match before {
+            Some((v, g)) if g >= 0.0 && growth < 0.0 => ranges.push([crossing(v, g), speed]),
+            None if growth < 0.0 => ranges.push([speed, speed]),
+            Some((v, g)) if g < 0.0 => {
+                if let Some(range) = ranges.last_mut() {
+                    range[1] = if growth < 0.0 { speed } else { crossing(v, g) };
+                }
+            }
+            _ => {}
+        }
+        before = Some((speed, growth));
+    }
+    ranges
 }
 
 impl Multibody {
@@ -99,4 +141,35 @@ pub fn map(
     });
     rows.sort_by_key(|(k, _)| *k);
     rows.into_iter().map(|(_, row)| row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_end_where_growth_passes_zero() {
+        let point = |(k, growth): (usize, &Option<f64>)| MapPoint {
+            speed_m_s: k as f64,
+            torque_nm: 0.0,
+            eigenvalues: growth.iter().map(|g| Complex::new(*g, 0.0)).collect(),
+        };
+        let ranges = |growth: &[Option<f64>]| {
+            let row: Vec<MapPoint> = growth.iter().enumerate().map(point).collect();
+            stable_ranges_m_s(&row)
+        };
+        assert_eq!(
+            ranges(&[Some(1.0), Some(-1.0), Some(-3.0), Some(1.0)]),
+            [[0.5, 2.75]]
+        );
+        assert_eq!(
+            ranges(&[Some(-1.0), Some(1.0), Some(-1.0)]),
+            [[0.0, 0.5], [1.5, 2.0]]
+        );
+        assert_eq!(
+            ranges(&[Some(-1.0), None, Some(-1.0), Some(-2.0)]),
+            [[0.0, 0.0], [2.0, 3.0]]
+        );
+        assert!(ranges(&[Some(1.0), None]).is_empty());
+    }
 }

@@ -31,6 +31,7 @@ mod sensitivity;
 mod sets;
 pub mod state;
 mod steady;
+mod step;
 mod symmetry;
 #[cfg(test)]
 mod tests;
@@ -39,12 +40,12 @@ mod trunk;
 mod validate;
 mod vector;
 
-pub use batch::advance_lanes;
+pub use batch::{advance_lanes, rhs_lanes};
 pub use contact::WheelContact;
 pub use energy::Energy;
 pub use error::MultibodyError;
 pub use linearise::{INPUTS, Linear};
-pub use map::{MapPoint, map};
+pub use map::{MapPoint, map, stable_ranges_m_s};
 pub use meanings::{meaning, unit};
 pub use model::{Input, Multibody};
 pub use modes::{Change, ModesAt, Sweep};

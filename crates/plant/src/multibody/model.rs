@@ -20,6 +20,7 @@ use super::inertia::{Spatial, power};
 use super::joints::{Springs, add_steer_torque};
 use super::parameters::{Air, Parameters};
 use super::state::{State, StateAccess};
+use super::step::Stiffness;
 use super::tree::Tree;
 use super::vector::{Vec3, add, columns_times, cross, lift, rows_times, scale, sub};
 use crate::Scalar;
@@ -75,6 +76,8 @@ pub struct Multibody {
     pub(super) tyres: [Tyre; 2],
     pub(super) air: Option<Air>,
     pub(super) no_slip: bool,
+    /// How fast contact forces act back on the tyres' slip.
+    pub(super) stiff: Stiffness,
 }
 
 impl Multibody {
@@ -83,14 +86,17 @@ impl Multibody {
         parameters.validate()?;
         let tree = Tree::new(parameters);
         let air = parameters.air;
-        Ok(Self {
+        let mut model = Self {
             springs: Springs::new(parameters, &tree),
             tree,
             tyres: [parameters.tyre.rear, parameters.tyre.front],
             air: (air.drag_area_m2 != 0.0 || air.side_area_m2 != 0.0).then_some(air),
             no_slip: parameters.tyre.rear.is_constraint(),
             parameters: parameters.clone(),
-        })
+            stiff: Stiffness::default(),
+        };
+        model.stiff = Stiffness::of(&model);
+        Ok(model)
     }
 
     /// The parameters it was made from.
@@ -127,7 +133,7 @@ impl Multibody {
         super::batch::rhs(self, x, input, road, dx);
     }
 
-    /// The same, to be compiled into its caller.
+    /// The same, to be compiled into its caller; gives the contacts of the tyres.
     #[inline(always)]
     pub(super) fn rhs_inlined<T: Scalar>(
         &self,
@@ -135,17 +141,18 @@ impl Multibody {
         input: &Input<T>,
         road: Option<&Road>,
         dx: &mut State<T>,
-    ) {
+    ) -> Option<[WheelContact<T>; 2]> {
         let pose = self.tree.pose(x);
         let grounds = self.grounds(x, &pose, road);
-        let (forces, _) = self.forces(x, input, &pose, &grounds, dx);
+        let (forces, contacts) = self.forces(x, input, &pose, &grounds, dx);
         if self.no_slip {
             self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
-            return;
+            return None;
         }
         let factored = self.tree.factor(x, &pose, self.parameters.gravity_m_s2);
         let a: Accelerations<T> = factored.accelerations(&self.tree, &forces);
         derivative(x, &pose, &a, dx);
+        contacts
     }
 
     /// The road under each hub.

@@ -1,10 +1,8 @@
 //! What: the multibody model as a plant that a controller rides on.
 //!
-//! Equation: fourth-order Runge-Kutta. On tyres the fastest motion is a wheel's creep towards
-//! rolling, at rate C R² / (J |v|) with C the longitudinal slip stiffness: a step is divided so
-//! that each part stays inside the method's stability limit (2.78; 2 is used).
+//! Equation: the steps of `step`.
 //!
-//! Source: Hairer, Nørsett and Wanner (1993), section IV.2 (stability of explicit methods).
+//! Source: as there.
 //!
 //! Assumes and ignores: forces of motors and rider are constant over a step; the rider's pedal force
 //! acts as a torque on the rear wheel, reacted by the frame.
@@ -20,16 +18,9 @@ use super::parameters::Parameters;
 use super::state::{ANGULAR, ATTITUDE, SPIN, STEER, STEER_RATE, State, StateAccess, VELOCITY};
 use super::steady::Course;
 use super::vector::{Vec3, add, columns_times, cross, rows_times, sub};
-use crate::dual::Dual;
-use crate::integrate::rk4;
 use crate::road::Road;
 use crate::truth::{PlantInput, PlantModel, Truth};
-use crate::tyre::{TyreInput, TyreModel};
 
-/// Parts of a step at most.
-const PARTS: f64 = 64.0;
-/// Step times fastest rate that a part may reach.
-const STIFFNESS_LIMIT: f64 = 2.0;
 /// Roll beyond which the bicycle counts as fallen, rad.
 const FALL_ROLL_RAD: f64 = 0.8;
 
@@ -40,8 +31,6 @@ pub struct Ride {
     road: Option<Road>,
     state: State,
     input: Input,
-    /// Creep rate of rear and front wheel times speed, m/s².
-    creep: [f64; 2],
     /// Accelerometer, coordinates of the parameters, m.
     sensor_at_m: [f64; 3],
 }
@@ -56,15 +45,12 @@ impl Ride {
     ) -> Result<Self, MultibodyError> {
         let model = Multibody::new(parameters)?;
         let steady = model.steady(&Course::straight(speed_m_s), None)?;
-        let (front, rear) = model.static_loads_n();
-        let creep = [model.creep_m_s2(0, rear), model.creep_m_s2(1, front)];
         let frame = &parameters.frame;
         let mut state = steady.state;
         if let Some(road) = &road {
             state[2] -= road.height_m(0.0, 0.0);
         }
         Ok(Self {
-            creep,
             road,
             state,
             input: steady.input,
@@ -100,26 +86,25 @@ impl Ride {
         &self.input
     }
 
-    /// Parts into which a step of `step_s` is divided at the speed of now.
+    /// Derivative of the state now, under what acted last.
+    pub fn derivative(&self) -> State {
+        let mut dx = [0.0; super::STATES];
+        self.model
+            .rhs(&self.state, &self.input, self.road.as_ref(), &mut dx);
+        dx
+    }
+
+    /// Parts into which a step of `step_s` would be divided now.
     pub fn parts(&self, step_s: f64) -> usize {
-        let floor = self.model.parameters.tyre.slip_speed_floor_m_s;
-        let (speed, turn) = (self.state[VELOCITY], libm::cos(self.state[STEER]));
-        let reference = |v: f64| libm::sqrt(v * v + floor * floor);
-        let rate = (self.creep[0] / reference(speed)).max(self.creep[1] / reference(speed * turn));
-        (rate * step_s / STIFFNESS_LIMIT).clamp(1.0, PARTS).ceil() as usize
+        self.model
+            .parts_of_step(&self.state, &self.input, self.road.as_ref(), step_s)
     }
 
     /// Goes on by `step_s` seconds under `input`.
     pub fn advance(&mut self, input: &Input, step_s: f64) {
         self.input = *input;
-        let parts = self.parts(step_s);
-        let (model, road) = (&self.model, self.road.as_ref());
-        for _ in 0..parts {
-            rk4(&mut self.state, step_s / parts as f64, |x, dx| {
-                model.rhs(x, input, road, dx)
-            });
-            model.project(&mut self.state);
-        }
+        let road = self.road.as_ref();
+        super::batch::advance(&self.model, &mut self.state, input, road, step_s, 1);
     }
 
     /// Contacts of rear and front wheel; of a wheel without slip the load alone is meaningful.
@@ -155,27 +140,6 @@ impl Input<f64> {
 }
 
 impl Multibody {
-    /// Rate times speed at which a wheel's creep dies out: longitudinal slip stiffness times
-    /// R² / J. Zero without slip, or if slip is relaxed.
-    fn creep_m_s2(&self, wheel: usize, load_n: f64) -> f64 {
-        let (part, tyre) = (&self.tree.wheels[wheel], &self.tyres[wheel]);
-        if self.no_slip || tyre.relaxation_length_m().is_some() || part.spin_inertia == 0.0 {
-            return 0.0;
-        }
-        let constant = Dual::<1>::constant;
-        let input = TyreInput {
-            // Load transfer adds to the static load.
-            load_n: constant(1.3 * load_n),
-            slip_ratio: Dual::variable(0.0, 0),
-            slip_angle_rad: constant(0.0),
-            camber_rad: constant(0.0),
-            speed_m_s: constant(1.0),
-            friction_ratio: constant(1.0),
-            radius_m: part.radius,
-        };
-        tyre.output(&input).longitudinal_n.eps[0] * part.radius * part.radius * part.inverse_inertia
-    }
-
     /// Derivative of the state, and contacts.
     pub(super) fn observed(
         &self,

@@ -301,6 +301,14 @@ fn derivatives_by_dual_numbers_agree_with_differences() {
                     }
                     parts(tyre.output(&input))
                 };
+                if which == 1 {
+                    let told = tyre.output(&point).longitudinal_stiffness_n;
+                    assert!(
+                        (told - dual[0].1).abs() <= 1e-12 * (1.0 + told.abs()),
+                        "{name}: longitudinal stiffness {told}, derivative {}",
+                        dual[0].1
+                    );
+                }
                 let h = if which == 0 { 1e-2 } else { 1e-6 };
                 let (up, down) = (shifted(h), shifted(-h));
                 let value = parts(tyre.output(&point));

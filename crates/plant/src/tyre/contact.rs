@@ -91,6 +91,13 @@ pub(super) fn shape<T: Scalar>(c: f64, u: T) -> (T, T) {
     }
 }
 
+/// Derivative of D sin(C atan(B x)) with respect to x: B C D cos(C atan(B x)) / (1 + (B x)²), with
+/// `stiffness` B C D, `u` B x and the cosine of [`shape`].
+#[inline(always)]
+pub(super) fn slope<T: Scalar>(stiffness: T, u: T, cosine: T) -> T {
+    stiffness * cosine / (T::one() + u * u)
+}
+
 /// Rolling resistance moment Fz r q, against the way the wheel rolls (A2.18). The sign turns over
 /// smoothly below [`ROLLING_TURNOVER_M_S`].
 #[inline(always)]

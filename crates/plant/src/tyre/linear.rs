@@ -66,6 +66,7 @@ impl TyreModel for LinearTyre {
             ),
             aligning_nm: lean.scale(self.twisting_m_per_rad)
                 - side_slip.scale(self.pneumatic_trail_m),
+            longitudinal_stiffness_n: fz.scale(self.longitudinal_stiffness_ratio),
         }
     }
     fn vertical(&self) -> Vertical {

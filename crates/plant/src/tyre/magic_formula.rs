@@ -242,6 +242,7 @@ impl TyreModel for MagicFormula {
             ),
             // Tz = -t Fy(α)                                                             (A2.12)
             aligning_nm: twisting - trail * dy * side_slip,
+            longitudinal_stiffness_n: contact::slope(fz.scale(stiffness), bx_kappa, cosine),
         }
     }
     fn vertical(&self) -> Vertical {

@@ -187,7 +187,8 @@ impl TyreModel for MagicFormula1989 {
             Friction::Absolute => road,
         };
         let stiffness = self.longitudinal_stiffness_ratio * self.longitudinal_gain;
-        let (sine, cosine) = contact::shape(1.0, input.slip_ratio.scale(stiffness) / mu_x);
+        let bx_kappa = input.slip_ratio.scale(stiffness) / mu_x;
+        let (sine, cosine) = contact::shape(1.0, bx_kappa);
         let left = self.combined.side_force_ratio(cosine) * per_load;
 
         let lean = (fz * input.camber_rad).scale(input.radius_m);
@@ -202,6 +203,7 @@ impl TyreModel for MagicFormula1989 {
                 self.rolling_resistance_ratio,
             ),
             aligning_nm: left * self.moment(f, a, g, s),
+            longitudinal_stiffness_n: contact::slope(fz.scale(stiffness), bx_kappa, cosine),
         }
     }
     fn vertical(&self) -> Vertical {

@@ -63,6 +63,9 @@ pub struct TyreOutput<T> {
     pub rolling_resistance_nm: T,
     /// About z (down), Nm: self-aligning plus twisting torque; positive turns the wheel right.
     pub aligning_nm: T,
+    /// Derivative of the force along x with respect to the slip ratio, N: how fast a wheel's creep
+    /// dies out.
+    pub longitudinal_stiffness_n: T,
 }
 
 impl<T: Scalar> TyreOutput<T> {
@@ -76,6 +79,7 @@ impl<T: Scalar> TyreOutput<T> {
             overturning_nm: zero,
             rolling_resistance_nm: zero,
             aligning_nm: zero,
+            longitudinal_stiffness_n: zero,
         }
     }
 }

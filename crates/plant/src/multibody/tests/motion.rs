@@ -2,9 +2,10 @@
 
 use crate::integrate::rk4;
 use crate::lanes::Lanes;
+use crate::multibody::batch::{advance, advance_plain};
 use crate::multibody::state::{STEER, STEER_RATE, TRUNK, VELOCITY};
 use crate::multibody::{
-    BulsinkBicycle, Case, Course, Input, Multibody, Parameters, Reading, STATES, State,
+    BulsinkBicycle, Case, Course, Input, Multibody, Parameters, Reading, Ride, STATES, State,
     StateAccess, advance_lanes, mirrored,
 };
 use nalgebra::DVector;
@@ -227,18 +228,38 @@ fn lanes_ride_like_single_scenarios() {
     advance_lanes(&model, &mut lanes, &input, None, 1.0e-3, 300);
     for k in 0..4 {
         let mut x = start(k);
-        for _ in 0..300 {
-            rk4(&mut x, 1.0e-3, |x, dx| {
-                model.rhs(x, &steady.input, None, dx)
-            });
-            model.project(&mut x);
-        }
+        advance(&model, &mut x, &steady.input, None, 1.0e-3, 300);
         let worst = (0..STATES)
             .map(|i| (lanes[i].0[k] - x[i]).abs())
             .fold(0.0, f64::max);
         println!("lane {k}: {worst:e}");
         assert!(worst < 1.0e-9, "lane {k}: {worst:e}");
     }
+}
+
+fn same_in_registers<const N: usize>(model: &Multibody) {
+    let steady = model.steady(&Course::straight(6.0), None).unwrap();
+    let start: State<Lanes<N>> = core::array::from_fn(|i| {
+        Lanes(core::array::from_fn(|k| {
+            let mut x = steady.state;
+            x.set_attitude_rad(0.0, 0.03 * k as f64 - 0.02, 0.0);
+            x[STEER_RATE] = 0.1 * k as f64;
+            x[i]
+        }))
+    });
+    let input = steady.input.lifted();
+    let (mut a, mut b) = (start, start);
+    advance_lanes(model, &mut a, &input, None, 1.0e-3, 100);
+    advance_plain(model, &mut b, &input, None, 1.0e-3, 100);
+    assert_eq!(a, b);
+    assert_ne!(a, start, "it moved");
+}
+
+#[test]
+fn lanes_in_registers_give_the_same_bits() {
+    let model = model(Case::Full);
+    same_in_registers::<4>(&model);
+    same_in_registers::<8>(&model);
 }
 
 #[test]
@@ -281,5 +302,47 @@ fn sensitivities_agree_with_differences_of_the_mode() {
         let error = (difference - found.per_unit).norm_sqr().sqrt() / difference.norm_sqr().sqrt();
         println!("{path}: {} against {difference}, {error:e}", found.per_unit);
         assert!(error < 1.0e-5, "{path}: {error:e}");
+    }
+}
+
+/// Where a leaning, steering start has come to after `seconds` in steps of `step_s`, as ridden.
+fn ridden(speed_m_s: f64, seconds: f64, step_s: f64) -> State {
+    let parameters = Parameters::bulsink2017(BulsinkBicycle::One, Case::Full, &Reading::default());
+    let mut ride = Ride::new(&parameters, None, speed_m_s).unwrap();
+    let mut x = *ride.state();
+    x.set_attitude_rad(0.0, 0.1, x.yaw_roll_pitch_rad().2);
+    x[STEER_RATE] = 0.3;
+    ride.set_state(&x);
+    let input = Input {
+        front_brake_nm: 20.0,
+        rear_traction_nm: ride.input().rear_traction_nm + 20.0,
+        ..Input::default()
+    };
+    for _ in 0..(seconds / step_s).round() as usize {
+        ride.advance(&input, step_s);
+    }
+    *ride.state()
+}
+
+fn difference(a: &State, b: &State) -> f64 {
+    (0..STATES).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn riding_keeps_the_fourth_order() {
+    let fine = ridden(6.0, 0.2, 2.0e-5);
+    let error = |step_s: f64| difference(&ridden(6.0, 0.2, step_s), &fine);
+    let order = libm::log2(error(4.0e-4) / error(2.0e-4));
+    println!("order {order}");
+    assert!((order - 4.0).abs() < 0.4, "order {order}");
+}
+
+#[test]
+fn a_step_of_a_millisecond_is_exact_enough_at_any_speed() {
+    for speed in [0.3, 0.6, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0] {
+        let (rough, fine) = (ridden(speed, 0.1, 1.0e-3), ridden(speed, 0.1, 2.0e-5));
+        let worst = difference(&rough, &fine);
+        println!("{speed} m/s: {worst:e}");
+        assert!(worst < 1.0e-3, "{speed} m/s: {worst:e}");
     }
 }
