@@ -7,10 +7,12 @@ mod compare;
 mod doctor;
 mod exit;
 mod link_args;
+mod map;
 mod modes;
 mod processes;
 mod ride;
 mod ride_report;
+mod span;
 mod torture;
 mod tyre;
 
@@ -31,6 +33,8 @@ enum Command {
     Ride(ride::RideArgs),
     /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
     Modes(modes::ModesArgs),
+    /// Stability of a multibody bicycle over speed and motor torque, and its picture
+    Map(map::MapArgs),
     /// Measured rides against the model: how wrong it is, and where
     Compare(compare::CompareArgs),
     /// Forces and torques of a tyre
@@ -75,6 +79,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     match cli.command {
         Command::Ride(args) => ride::run(&args),
         Command::Modes(args) => modes::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),

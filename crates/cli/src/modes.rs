@@ -6,13 +6,12 @@ mod print;
 mod sensitivities;
 
 use crate::exit::bad_input;
+use crate::span;
 use anyhow::anyhow;
+pub use print::{is_page, picture_name};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use twinhub_plant::bicycles::{self, Bicycle};
-
-/// Most speeds in one request.
-const MOST_SPEEDS: f64 = 100_000.0;
 
 /// Arguments of `twinhub modes`.
 #[derive(clap::Args)]
@@ -74,7 +73,7 @@ pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
         }
     }
     if let Some(out) = &args.out {
-        print::is_page(out).map_err(bad_input)?;
+        is_page(out).map_err(bad_input)?;
     }
     match bicycles::load(&args.bicycle, &args.set).map_err(bad_input)? {
         Bicycle::Benchmark(bicycle) => benchmark::run(args, &bicycle),
@@ -85,72 +84,14 @@ pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
 impl ModesArgs {
     /// The speeds asked for, or those of `default`.
     fn speeds(&self, default: &str) -> anyhow::Result<Vec<f64>> {
-        speeds(self.speeds_m_s.as_deref().unwrap_or(default))
+        let text = self.speeds_m_s.as_deref().unwrap_or(default);
+        span::numbers("--speeds-m-s", text, "m/s", 0.0)
     }
 
     /// The file for the picture, if there is to be one.
     fn picture(&self, name: &str) -> Option<PathBuf> {
         self.out
             .clone()
-            .or_else(|| (!self.json).then(|| print::default_picture(name)))
-    }
-}
-
-/// The speeds of `A:B:STEP`, both ends included where the step meets them.
-fn speeds(text: &str) -> anyhow::Result<Vec<f64>> {
-    let wrong = |why: &str| {
-        anyhow!(
-            "--speeds-m-s `{text}`: {why}; accepted: A:B:STEP with 0 <= A <= B and STEP > 0 in m/s, for instance 0:10:0.5"
-        )
-    };
-    let numbers: Vec<f64> = text
-        .split(':')
-        .map(|s| s.trim().parse())
-        .collect::<Result<_, _>>()
-        .map_err(|_| wrong("not three numbers"))?;
-    let [from, to, step] = numbers[..] else {
-        return Err(wrong("not three numbers"));
-    };
-    if !numbers.iter().all(|v| v.is_finite()) {
-        return Err(wrong("a number is not finite"));
-    }
-    if from < 0.0 || to < from || step <= 0.0 {
-        return Err(wrong("out of range"));
-    }
-    let count = (to - from) / step + 1e-9;
-    if count > MOST_SPEEDS {
-        return Err(wrong("more than 100000 speeds"));
-    }
-    Ok((0..=count as usize)
-        .map(|i| (from + i as f64 * step).min(to))
-        .collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn speeds_include_both_ends() {
-        assert_eq!(speeds("0:1:0.25").unwrap(), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        assert_eq!(speeds("0:0.3:0.1").unwrap().len(), 4);
-        assert_eq!(speeds("5:5:1").unwrap(), [5.0]);
-        for bad in [
-            "",
-            "1:2",
-            "a:b:c",
-            "0:10:0",
-            "3:1:0.1",
-            "-1:2:1",
-            "0:nan:1",
-            "0:1e9:1e-3",
-            "0:1:1:1",
-        ] {
-            let message = speeds(bad).unwrap_err().to_string();
-            assert!(
-                message.contains("A:B:STEP") && message.contains(bad),
-                "{message}"
-            );
-        }
+            .or_else(|| (!self.json).then(|| picture_name("modes", name)))
     }
 }

@@ -11,6 +11,7 @@ pub mod blind;
 pub mod chart;
 pub mod compare;
 pub mod line;
+pub mod map_picture;
 pub mod modes_picture;
 pub mod page;
 pub mod ride;

@@ -30,8 +30,8 @@ pub fn is_page(out: &Path) -> anyhow::Result<bool> {
     }
 }
 
-/// `modes_NAME.svg` in the working folder.
-pub fn default_picture(name: &str) -> PathBuf {
+/// `WHAT_NAME.svg` in the working folder.
+pub fn picture_name(what: &str, name: &str) -> PathBuf {
     let safe = |c: char| {
         if c.is_alphanumeric() || "_-+".contains(c) {
             c
@@ -39,7 +39,7 @@ pub fn default_picture(name: &str) -> PathBuf {
             '_'
         }
     };
-    format!("modes_{}.svg", name.chars().map(safe).collect::<String>()).into()
+    format!("{what}_{}.svg", name.chars().map(safe).collect::<String>()).into()
 }
 
 /// Speeds of the picture: close to each other, over the range of `speeds`, from `least` up.
