@@ -2,7 +2,7 @@
 //!
 //! Equation: on tyres the fastest motion is the creep of a wheel towards rolling,
 //! J Ω' = -l Fx(κ), κ = (Ω l - v) / s: it dies out at the rate C l² / (J s) with C = dFx/dκ at the
-//! present slip, 1300 1/s at 5 m/s and 2e4 1/s at 0.3 m/s. This decay is integrated exactly
+//! present slip, about 900 1/s at 5 m/s and 1.5e4 1/s at 0.3 m/s. This decay is integrated exactly
 //! (`rk4_decaying`), the rest by fourth-order Runge-Kutta. A step is divided where what is left is
 //! too fast for that (2.78 times one over the step; 2 is used): the side slip below 1 m/s, at the
 //! rate Cα Fz / (m s) with m the mass that a side force in the contact moves, and a sliding wheel
