@@ -74,6 +74,7 @@ pub fn run(options: Options) -> Result<Summary, LinkError> {
                     loss.silence,
                     &mut on_loss,
                 ) {
+                    on_loss(&LossEvent::Lost(Loss::new(heard, &error.to_string())));
                     break Err(error);
                 }
                 heard = Instant::now();
@@ -123,9 +124,9 @@ fn answer(
         return Ok(None);
     };
     let arrived = Instant::now();
-    tally
-        .wake_up_ns
-        .saturating_record(end.since_sent().as_nanos() as u64);
+    if let Some(time) = end.since_sent(&frame) {
+        tally.wake_up_ns.saturating_record(time.as_nanos() as u64);
+    }
     let answer = firmware.tick(&frame);
     let state = RideState::from_u32(frame.header.state);
     tally.see(&answer.output);

@@ -94,6 +94,7 @@ impl Tally {
             wake_up_ns: quantiles_ns(&self.wake_up_ns),
             compute_ns: quantiles_ns(&self.compute_ns),
             wait_ns: quantiles_ns(&self.wait_ns),
+            wake_ups: self.wake_up_ns.len(),
         }
     }
 

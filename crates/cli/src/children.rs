@@ -137,7 +137,7 @@ pub fn plant() -> anyhow::Result<ExitCode> {
     let mut port = Listening::new(Timed::new(end, pacing, spin).with_rights(rights));
     let (version, git_hash) = program();
     let settings = Settings {
-        log: Some(job.log.clone()),
+        log: job.log.clone(),
         version,
         git_hash,
     };

@@ -12,6 +12,7 @@ mod modes;
 mod processes;
 mod ride;
 mod ride_report;
+mod soak;
 mod span;
 mod torture;
 mod tyre;
@@ -43,6 +44,8 @@ enum Command {
     Bicycle(bicycle::BicycleArgs),
     /// What this machine allows a ride, and how to get more
     Doctor(doctor::DoctorArgs),
+    /// One long ride: whether speed and memory stay what they are
+    Soak(soak::SoakArgs),
     /// Kill, stop and continue either side of rides, and look at what is left
     Torture(torture::TortureArgs),
     /// Names of everything that ships
@@ -72,7 +75,11 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     // A ride writes to its own children, whose death it has to survive.
     if !matches!(
         cli.command,
-        Command::Ride(_) | Command::Torture(_) | Command::PlantProcess | Command::ControllerProcess
+        Command::Ride(_)
+            | Command::Soak(_)
+            | Command::Torture(_)
+            | Command::PlantProcess
+            | Command::ControllerProcess
     ) {
         end_quietly_on_a_closed_pipe();
     }
@@ -83,6 +90,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),
+        Command::Soak(args) => soak::run(&args),
         Command::Torture(args) => torture::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::List(args) => catalogue::list(&args),

@@ -42,8 +42,8 @@ pub struct Job {
     pub waiting: String,
     /// The ride.
     pub ride_toml: String,
-    /// Where the plant writes its log.
-    pub log: PathBuf,
+    /// Where the plant writes its log, if it does.
+    pub log: Option<PathBuf>,
     /// Ticks between two [`Report::Tick`].
     pub report_every: u64,
     /// Where rides meet, if not where they usually do.
@@ -103,7 +103,7 @@ pub fn ride(
         pacing: link.pacing().name().to_owned(),
         waiting: link.waiting().name().to_owned(),
         ride_toml: ride.to_toml(),
-        log: log.to_owned(),
+        log: Some(log.to_owned()),
         report_every: (ride.ticks() / PROGRESS_LINES).max(1),
         run_dir: None,
     })?;

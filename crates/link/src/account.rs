@@ -4,7 +4,7 @@ use crate::timing::Quantiles;
 use serde::{Deserialize, Serialize};
 
 /// Words of an account on the shared page.
-pub(crate) const WORDS: usize = 17;
+pub(crate) const WORDS: usize = 18;
 
 /// Quantiles of a time in ns: p50, p99, p99.9 and the longest.
 pub type QuantilesNs = [u64; 4];
@@ -28,6 +28,8 @@ pub struct Account {
     pub compute_ns: QuantilesNs,
     /// From an answer to the next frame.
     pub wait_ns: QuantilesNs,
+    /// Number of measured wake-ups; the other times are measured in every tick.
+    pub wake_ups: u64,
 }
 
 impl Account {
@@ -42,7 +44,8 @@ impl Account {
         ]);
         words[5..9].copy_from_slice(&self.wake_up_ns);
         words[9..13].copy_from_slice(&self.compute_ns);
-        words[13..].copy_from_slice(&self.wait_ns);
+        words[13..17].copy_from_slice(&self.wait_ns);
+        words[17] = self.wake_ups;
         words
     }
 
@@ -57,6 +60,7 @@ impl Account {
             wake_up_ns: four(5),
             compute_ns: four(9),
             wait_ns: four(13),
+            wake_ups: words[17],
         }
     }
 }
@@ -96,7 +100,7 @@ impl From<&Account> for ControllerTiming {
                 .filter(|entry| raised.any(entry.flag))
                 .map(|entry| entry.code.to_owned())
                 .collect(),
-            wake_up_us: quantiles(account.wake_up_ns),
+            wake_up_us: Quantiles::from_ns(account.wake_ups, account.wake_up_ns),
             compute_us: quantiles(account.compute_ns),
             wait_us: quantiles(account.wait_ns),
         }

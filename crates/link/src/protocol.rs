@@ -60,9 +60,9 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0-3 | the plant's flag "I sleep" |
-//! | 8-15 | when the plant sent its last frame, ns of `CLOCK_MONOTONIC` |
+//! | 64-71 | when the plant sent its last frame, ns of `CLOCK_MONOTONIC`; in lockstep, its last one with a `sequence` that 16 divides |
 //! | 128-131 | the controller's flag "I sleep" |
-//! | 256-391 | the controller's account of itself, 17 numbers of 64 bits: frames answered, frames lost, ticks without a frame, overruns, health bits, and p50, p99, p99.9 and the longest of wake-up, compute and wait, ns |
+//! | 256-399 | the controller's account of itself, 18 numbers of 64 bits: frames answered, frames lost, ticks without a frame, overruns, health bits, then p50, p99, p99.9 and the longest of wake-up, compute and wait, ns, and the number of measured wake-ups |
 //!
 //! The flags are the bell: before it sleeps, a side raises its flag, looks for a frame once more,
 //! and then waits for a byte on the socket; after publishing, a side looks at the other's flag and,

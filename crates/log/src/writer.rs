@@ -22,7 +22,10 @@ pub const BATCH: Duration = Duration::from_millis(20);
 /// Batches that may wait for the writing thread.
 const QUEUE: usize = 2;
 
-/// Ride time that a kill can lose at most: one batch being filled, two waiting, one being
+/// The same in real time.
+const QUEUE_REAL_TIME: usize = 50;
+
+/// Ride time that a kill can lose at most (not in real time, with a disk that lags): one batch being filled, two waiting, one being
 /// written.
 pub const IN_FLIGHT_MAX: Duration = Duration::from_nanos(BATCH.as_nanos() * (QUEUE as u64 + 2));
 
@@ -102,6 +105,25 @@ impl RideLog {
     /// Creates the file (an existing one is replaced), writes metadata and configuration, and
     /// registers the topic `/event`.
     pub fn create(path: &Path, metadata: &Metadata, config_text: &str) -> Result<Self, LogError> {
+        Self::create_with_queue(path, metadata, config_text, QUEUE)
+    }
+
+    /// The same for a ride that must not wait for the disk: a second of it may wait to be
+    /// written, all of which a kill loses.
+    pub fn create_for_real_time(
+        path: &Path,
+        metadata: &Metadata,
+        config_text: &str,
+    ) -> Result<Self, LogError> {
+        Self::create_with_queue(path, metadata, config_text, QUEUE_REAL_TIME)
+    }
+
+    fn create_with_queue(
+        path: &Path,
+        metadata: &Metadata,
+        config_text: &str,
+        queue: usize,
+    ) -> Result<Self, LogError> {
         let file = std::fs::File::create(path).map_err(|source| LogError::Create {
             path: path.into(),
             source,
@@ -112,7 +134,7 @@ impl RideLog {
                 source,
             }
         })?;
-        let (to_disk, batches) = sync_channel(QUEUE);
+        let (to_disk, batches) = sync_channel(queue);
         let (give_back, empties) = channel();
         let thread = std::thread::Builder::new()
             .name("twinhub-log".into())

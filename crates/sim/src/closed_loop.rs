@@ -11,7 +11,7 @@ use crate::setup::{Ride, places};
 use crate::{TICK, TICK_S};
 use std::path::PathBuf;
 use twinhub_link::protocol::is_plausible;
-use twinhub_link::{ControllerPort, Faulty, LinkError};
+use twinhub_link::{ControllerPort, Faulty, LinkError, Pacing, Timing};
 use twinhub_log::Level;
 use twinhub_plant::disturbance::Disturbances;
 use twinhub_plant::motor::{PowerOutput, PowerTrain};
@@ -90,7 +90,11 @@ pub fn ride(
 ) -> Result<Outcome, RideError> {
     let mut bench = Bench::new(ride)?;
     let mut logger = match &settings.log {
-        Some(path) => Some(Logger::create(path, ride, settings)?),
+        Some(path) => {
+            let real_time = |t: Timing| t.pacing == Pacing::RealTime.name();
+            let real_time = port.timing().is_some_and(real_time);
+            Some(Logger::create(path, ride, settings, real_time)?)
+        }
         None => None,
     };
     let mut port = Faulty::new(port, &ride.course.link_fault, ride.course.seed);

@@ -27,7 +27,13 @@ pub(crate) struct Logger {
 }
 
 impl Logger {
-    pub(crate) fn create(path: &Path, ride: &Ride, settings: &Settings) -> Result<Self, RideError> {
+    /// `real_time`: the ride must not wait for the disk.
+    pub(crate) fn create(
+        path: &Path,
+        ride: &Ride,
+        settings: &Settings,
+        real_time: bool,
+    ) -> Result<Self, RideError> {
         let config = ride.to_toml();
         let metadata = Metadata {
             version: settings.version.clone(),
@@ -47,7 +53,12 @@ impl Logger {
             .map(|(key, value)| (key.to_owned(), value))
             .into(),
         };
-        let mut log = RideLog::create(path, &metadata, &config)?;
+        let create = if real_time {
+            RideLog::create_for_real_time
+        } else {
+            RideLog::create
+        };
+        let mut log = create(path, &metadata, &config)?;
         let p = &ride.bicycle.parameters;
         log.scene_topic(twinhub_log::BicycleShape {
             wheelbase_m: p.w,

@@ -117,6 +117,17 @@ fn lost_after(report: Report, since_ns: u64) -> Option<u64> {
     }
 }
 
+/// Shared memory of the session.
+fn shared_memory(session: Option<&str>) -> Vec<PathBuf> {
+    std::fs::read_dir("/dev/shm")
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| session.is_some_and(|session| path.to_string_lossy().contains(session)))
+        .collect()
+}
+
 /// One ride.
 pub struct Round<'a> {
     number: u64,
@@ -175,7 +186,7 @@ impl<'a> Round<'a> {
             .into(),
             waiting: if spin { "spin" } else { "block" }.into(),
             ride_toml: ride.to_toml(),
-            log: self.log.clone(),
+            log: Some(self.log.clone()),
             report_every: 20,
             run_dir: Some(self.place.run_dir().path().to_owned()),
         })?;
@@ -371,14 +382,14 @@ impl<'a> Round<'a> {
         if nobody_left {
             twinhub_link::ride::sweep(&self.place.run_dir());
         }
-        let shared: Vec<PathBuf> = std::fs::read_dir("/dev/shm")
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|entry| entry.path())
-            .filter(|path| session.is_some_and(|session| path.to_string_lossy().contains(session)))
-            .collect();
+        // Another ride that starts at the same time may be clearing up right now.
         let dir = self.place.run_dir().path().join(&self.link);
+        let end = Instant::now() + Duration::from_secs(5);
+        let mut shared = shared_memory(session);
+        while (!shared.is_empty() || dir.exists()) && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(10));
+            shared = shared_memory(session);
+        }
         if !shared.is_empty() || dir.exists() {
             self.found.leaks += 1;
             self.fail(format!("left behind: {shared:?} {}", dir.display()));
@@ -402,7 +413,7 @@ pub fn undisturbed(ride: &Ride, place: &Place) -> anyhow::Result<Option<String>>
         pacing: "lockstep".into(),
         waiting: "spin".into(),
         ride_toml: ride.to_toml(),
-        log: log.clone(),
+        log: Some(log.clone()),
         report_every: 1000,
         run_dir: Some(place.run_dir().path().to_owned()),
     })?;

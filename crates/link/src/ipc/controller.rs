@@ -6,7 +6,7 @@ use crate::LinkError;
 use crate::account::Account;
 use crate::hello::{HELLO_BYTES, Hello, Role};
 use crate::pacing::{Pacing, monotonic_ns};
-use crate::page::Page;
+use crate::page::{Page, SENT_EVERY};
 use crate::peer::{Peer, wait_readable};
 use crate::protocol::{check_frame, check_frame_in_time};
 use crate::ride::{RunDir, session_root, sweep};
@@ -128,10 +128,13 @@ impl ControllerEnd {
         self.lost
     }
 
-    /// From the plant's sending of its last frame to now, as far as the plant says.
+    /// From the plant's sending of `frame` to now, as far as the plant says; in lockstep it says so
+    /// of one frame out of 16.
     #[inline]
-    pub fn since_sent(&self) -> Duration {
-        Duration::from_nanos(monotonic_ns().saturating_sub(self.page.sent_ns()))
+    pub fn since_sent(&self, frame: &PlantFrame) -> Option<Duration> {
+        let noted =
+            self.pacing == Pacing::RealTime || frame.header.sequence.is_multiple_of(SENT_EVERY);
+        noted.then(|| Duration::from_nanos(monotonic_ns().saturating_sub(self.page.sent_ns())))
     }
 
     /// The plant's next frame, validated. Waits without limit for a plant that lives.

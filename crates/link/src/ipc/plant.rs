@@ -6,7 +6,7 @@ use crate::account::ControllerTiming;
 use crate::hello::Role;
 use crate::newest::Newest;
 use crate::pacing::{ANSWER_WAIT, Pacing, monotonic_ns};
-use crate::page::Page;
+use crate::page::{Page, SENT_EVERY};
 use crate::peer::{Peer, Woken};
 use crate::protocol::{check_answer, check_hash};
 use crate::ride::Claim;
@@ -68,7 +68,9 @@ impl PlantEnd {
     #[inline]
     pub fn send(&mut self, frame: &PlantFrame) -> Result<(), LinkError> {
         let channels = self.channels.as_ref().ok_or_else(closed)?;
-        self.page.sent(monotonic_ns());
+        if self.pacing == Pacing::RealTime || frame.header.sequence.is_multiple_of(SENT_EVERY) {
+            self.page.sent(monotonic_ns());
+        }
         channels.send(frame);
         if self.page.other_sleeps() {
             self.peer.ring();
