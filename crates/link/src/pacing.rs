@@ -24,6 +24,17 @@
 //! that the controller has passed by itself, raise `time_jump`, which clears after one second of
 //! regular ticks.
 
+//!
+//! What must be true for the drives' watchdogs. They are part of the plant and count ride time: 20
+//! silent ticks, then a ramp of 180. That is 20 ms and 200 ms of the wall's clock as long as ride
+//! time keeps up with it, and this is what the rule above is for. A ride that catches up lets ride
+//! time run ahead of the wall's clock for at most 20 ticks, each of which still waits
+//! [`ANSWER_WAIT`] for its answer: a controller that answers within that time is never taken for
+//! silent. Moving the clock stands ride time still: the watchdogs do not count the time in which
+//! the plant's process did not run, and a drive on a real bicycle, which has a clock of its own,
+//! would have ramped out meanwhile. So slipped ticks are reported, and a ride with many of them is
+//! no real-time ride.
+
 use rustix::thread::ClockId;
 use rustix::time::{Timespec, clock_gettime};
 use std::time::Duration;

@@ -155,6 +155,26 @@ fn ride_name(way: usize, round: usize) -> String {
     format!("round_trip_{way}_{}_{round}", std::process::id())
 }
 
+/// Cores of the two sides.
+const OWN_CORE: usize = 0;
+const OTHER_CORE: usize = 1;
+
+/// Keeps this thread on core number `number` of the machine's, if there are as many: two
+/// sides that share a core cannot spin, and where they land is chance on a busy machine.
+fn stay_on(number: usize) -> Result<(), Any> {
+    use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+    // A child has inherited its parent's one core; what the machine has is asked of process 1.
+    let all = sched_getaffinity(rustix::process::Pid::from_raw(1))?;
+    let mut cores = (0..CpuSet::MAX_CPU).filter(|core| all.is_set(*core));
+    if let Some(core) = cores.nth(number) {
+        let mut one = CpuSet::new();
+        one.set(core);
+        // A container may allow other cores only; then chance decides.
+        let _ = sched_setaffinity(None, &one);
+    }
+    Ok(())
+}
+
 fn other_side(ride: &str) -> Result<(), Any> {
     if !watch_parent(std::env::var("ROUND_TRIP_PARENT")?.parse()?) {
         return Ok(());
@@ -182,6 +202,7 @@ fn main() -> Result<(), Any> {
             number => ticks = number.parse()?,
         }
     }
+    stay_on(OWN_CORE)?;
     let mut best: Vec<Option<Times>> = WAYS.iter().map(|_| None).collect();
     for round in 0..rounds {
         for (i, way) in WAYS.iter().enumerate() {
