@@ -226,7 +226,7 @@ impl MapPicture<'_> {
         let mut page = Page::new(self.title, self.subtitle);
         page.verdict(Tone::Even, sentence).picture(&self.svg());
         page.note(
-            "Colour: largest real part of all lateral modes about straight running at that speed under that torque. Full line: where the modes that oscillate (weave) turn stable; broken line: those that do not (capsize). Grey: no steady state, the tyres cannot carry the torque.",
+            "Colour: largest real part of all lateral modes about straight running at that speed under that torque. Full line: where the modes that oscillate (weave) turn stable; broken line: those that do not (capsize). Where both lines run together in steps nothing turns stable: there two slow modes become one oscillation. Grey: no steady state, the tyres cannot carry the torque.",
         );
         page.html()
     }
