@@ -125,14 +125,6 @@ pub fn check_frame(frame: &PlantFrame, tick: u64, sequence: u64) -> Result<(), L
     check("plant", &frame.header, tick, sequence)
 }
 
-/// Checks a frame of a plant that rides in real time: frames may be lost, so its count may be
-/// ahead of `next`.
-#[inline]
-pub(crate) fn check_frame_in_time(frame: &PlantFrame, next: u64) -> Result<(), LinkError> {
-    let sequence = frame.header.sequence.max(next);
-    check("plant", &frame.header, sequence, sequence)
-}
-
 /// Checks that a frame comes from a program of our kind.
 #[inline]
 pub(crate) fn check_hash(

@@ -93,7 +93,7 @@ impl Waiter {
     /// Waits until `take` yields something; for tick `tick`, which only messages mention.
     ///
     /// With a `deadline`, gives up then and returns `None`; without, waits as long as the other
-    /// process lives and the stop flag is down.
+    /// process lives and the stop flag is down; only such a wait looks at the flag.
     #[inline]
     pub(crate) fn wait<T>(
         &mut self,
@@ -175,7 +175,8 @@ impl Waiter {
                 }
                 Woken::Timeout | Woken::Rung => {}
             }
-            if self.stop.load(Ordering::Relaxed) {
+            // A wait with a deadline ends soon by itself, and its ride with a last frame.
+            if deadline.is_none() && self.stop.load(Ordering::Relaxed) {
                 return Err(LinkError::Interrupted);
             }
             let now = Instant::now();

@@ -600,6 +600,33 @@ fn in_real_time_frames_are_paced_and_silence_is_no_end() {
 }
 
 #[test]
+fn in_real_time_a_frame_that_comes_twice_is_answered_once() {
+    let dir = run_dir();
+    let offer = PlantOffer::open(Settings {
+        pacing: Pacing::RealTime,
+        ..settings(dir.path(), "twice")
+    })
+    .expect("shared memory");
+    let other = start("controller", dir.path(), "twice", &[]);
+    let mut plant = offer.accept().expect("the controller joins");
+    let soon = || Some(Instant::now() + SOON);
+    for tick in [0, 1, 5] {
+        plant.send(&frame(tick, RideState::Running)).expect("room");
+        let answer = plant.receive(tick, soon()).expect("it lives");
+        assert_eq!(answer.map(|a| a.header.sequence), Some(tick));
+        for old in [tick, 0] {
+            plant.send(&frame(old, RideState::Running)).expect("room");
+            let deadline = Some(Instant::now() + Duration::from_millis(30));
+            assert_eq!(plant.receive(old, deadline).expect("it lives"), None);
+        }
+    }
+    plant.send(&frame(6, RideState::Finished)).expect("room");
+    assert!(plant.receive(6, soon()).expect("it lives").is_some());
+    drop(plant);
+    assert_eq!(other.end().0, Some(0));
+}
+
+#[test]
 fn one_core_is_enough_for_spinning() {
     let dir = run_dir();
     let mut one = rustix::thread::CpuSet::new();

@@ -280,7 +280,8 @@ impl<'a> Round<'a> {
             send(&other.child, libc::SIGSTOP);
             self.found.stops += 1;
         }
-        let mut at_ns = send(&hit.child, libc::SIGKILL);
+        let killed_ns = send(&hit.child, libc::SIGKILL);
+        let mut at_ns = killed_ns;
         if both {
             send(&other.child, libc::SIGKILL);
         }
@@ -297,14 +298,21 @@ impl<'a> Round<'a> {
             other.end();
             return;
         }
-        self.survivor(side, other, at_ns);
+        self.survivor(side, other, killed_ns, at_ns);
     }
 
-    /// The other side after the death of `dead` at `at_ns`.
-    fn survivor(&mut self, dead: Side, other: &mut Half, at_ns: u64) {
-        match other.told(HANGS, |report| lost_after(report, at_ns)) {
-            Some(noticed_ns) if self.real_time => self.found.noticed_ns.push(noticed_ns - at_ns),
-            Some(noticed_ns) => self.found.lockstep_ns.push(noticed_ns - at_ns),
+    /// The other side after the death of `dead` at `killed_ns`; it could notice from `awake_ns` on,
+    /// or just before it fell asleep.
+    fn survivor(&mut self, dead: Side, other: &mut Half, killed_ns: u64, awake_ns: u64) {
+        match other.told(HANGS, |report| lost_after(report, killed_ns)) {
+            Some(noticed_ns) => {
+                let after_ns = noticed_ns.saturating_sub(awake_ns);
+                if self.real_time {
+                    self.found.noticed_ns.push(after_ns);
+                } else {
+                    self.found.lockstep_ns.push(after_ns);
+                }
+            }
             None => self.fail(format!("the death of the {dead:?} went unnoticed")),
         }
         if dead == Side::Plant {

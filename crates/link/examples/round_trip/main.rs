@@ -179,6 +179,7 @@ fn other_side(ride: &str) -> Result<(), Any> {
     if !watch_parent(std::env::var("ROUND_TRIP_PARENT")?.parse()?) {
         return Ok(());
     }
+    stay_on(OTHER_CORE)?;
     let way: usize = ride
         .split('_')
         .nth(2)

@@ -8,7 +8,7 @@ use crate::hello::{HELLO_BYTES, Hello, Role};
 use crate::pacing::{Pacing, monotonic_ns};
 use crate::page::{Page, SENT_EVERY};
 use crate::peer::{Peer, wait_readable};
-use crate::protocol::{check_frame, check_frame_in_time};
+use crate::protocol::{check_frame, check_hash};
 use crate::ride::{RunDir, session_root, sweep};
 use crate::shm::{Channels, ControllerSlot, PlantSlot};
 use crate::wait::{NAP, Waiter};
@@ -155,30 +155,39 @@ impl ControllerEnd {
         &mut self,
         deadline: Option<Instant>,
     ) -> Result<Option<PlantFrame>, LinkError> {
-        let channels = self.channels.as_mut().ok_or_else(closed)?;
-        let next = self.next;
-        let frame = self
-            .waiter
-            .wait(&self.peer, &self.page, next, deadline, || {
-                channels.receive()
-            });
-        let frame = match frame {
-            Ok(Some(frame)) => frame,
-            Ok(None) => return Ok(None),
-            Err(error) => {
-                self.plant_gone = true;
-                return Err(error);
+        loop {
+            let channels = self.channels.as_mut().ok_or_else(closed)?;
+            let next = self.next;
+            let frame = self
+                .waiter
+                .wait(&self.peer, &self.page, next, deadline, || {
+                    channels.receive()
+                });
+            let frame = match frame {
+                Ok(Some(frame)) => frame,
+                Ok(None) => return Ok(None),
+                Err(error) => {
+                    self.plant_gone = true;
+                    return Err(error);
+                }
+            };
+            match self.pacing {
+                Pacing::Lockstep => check_frame(&frame, next, next)?,
+                Pacing::RealTime => {
+                    check_hash("plant", &frame.header, next)?;
+                    // A blackboard that is written to while it is read may give a frame twice.
+                    if frame.header.sequence < next {
+                        if deadline.is_some_and(|end| Instant::now() >= end) {
+                            return Ok(None);
+                        }
+                        continue;
+                    }
+                    self.lost = self.lost.saturating_add(frame.header.sequence - next);
+                }
             }
-        };
-        match self.pacing {
-            Pacing::Lockstep => check_frame(&frame, next, next)?,
-            Pacing::RealTime => {
-                check_frame_in_time(&frame, next)?;
-                self.lost += frame.header.sequence - next;
-            }
+            self.next = frame.header.sequence.saturating_add(1);
+            return Ok(Some(frame));
         }
-        self.next = frame.header.sequence.saturating_add(1);
-        Ok(Some(frame))
     }
 
     /// Waits until the next frame is there, and leaves it there; false if none came before
