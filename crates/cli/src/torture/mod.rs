@@ -7,6 +7,7 @@
 //! that keep time.
 
 mod blow;
+mod half;
 mod round;
 
 use crate::exit;

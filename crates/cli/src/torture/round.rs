@@ -1,18 +1,15 @@
 //! One ride that is tortured, and what was found.
 
 use super::blow::{Draw, Side, send};
+use super::half::{HANGS, Half, lost_after};
 use super::{Place, length};
-use crate::processes::{CONTROLLER, Job, PLANT, Report, reports, spawn};
+use crate::processes::{CONTROLLER, Job, PLANT, Report};
 use anyhow::Context;
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, ExitStatus, Stdio};
-use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use twinhub_log::{CONTROL_OUTPUT, PLANT_TRUTH};
 use twinhub_sim::Ride;
 
-/// A process that has not ended by then never will.
-const HANGS: Duration = Duration::from_secs(20);
 /// Ticks after the last command after which no drive drives any more.
 const QUIET_TICKS_MAX: u64 = 200;
 /// A stop that is shorter need not be noticed, ms.
@@ -62,58 +59,6 @@ impl Found {
         self.noticed_ns.extend(other.noticed_ns);
         self.lockstep_ns.extend(other.lockstep_ns);
         self.failures.extend(other.failures);
-    }
-}
-
-/// A process of the ride.
-struct Half {
-    child: Child,
-    _input: ChildStdin,
-    reports: Receiver<Report>,
-}
-
-impl Half {
-    fn start(role: &str, job: &str) -> anyhow::Result<Self> {
-        let (mut child, input) = spawn(role, job, Stdio::null())?;
-        let reports = reports(&mut child);
-        Ok(Self {
-            child,
-            _input: input,
-            reports,
-        })
-    }
-
-    /// Waits for the first report that `wanted` takes; `None` if there is none in time.
-    fn told<T>(&self, limit: Duration, mut wanted: impl FnMut(Report) -> Option<T>) -> Option<T> {
-        let end = Instant::now() + limit;
-        loop {
-            let left = end.saturating_duration_since(Instant::now());
-            if let Some(found) = wanted(self.reports.recv_timeout(left).ok()?) {
-                return Some(found);
-            }
-        }
-    }
-
-    /// Waits for the end; a process that hangs is killed and gives `None`.
-    fn end(&mut self) -> Option<ExitStatus> {
-        let end = Instant::now() + HANGS;
-        while Instant::now() < end {
-            if let Ok(Some(status)) = self.child.try_wait() {
-                return Some(status);
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-        None
-    }
-}
-
-/// When a loss was noticed that began at `since_ns`.
-fn lost_after(report: Report, since_ns: u64) -> Option<u64> {
-    match report {
-        Report::Lost { at_ns, .. } if at_ns >= since_ns => Some(at_ns),
-        _ => None,
     }
 }
 
