@@ -373,8 +373,8 @@ mod tests {
         };
         let (a, b) = (ride(&even), ride(&pedalling));
         assert!(a.0 > 10.02 && (a.0 - b.0).abs() < 2e-3, "{a:?} {b:?}");
-        assert_eq!(a.1, 0.0);
-        assert!(b.1 > 0.0);
+        assert!(a.1 < 1e-12, "{a:?}");
+        assert!(b.1 > 1e-5, "{b:?}");
         // Three seconds at one turn a second.
         assert!(b.2 < 1e-9 || TAU - b.2 < 1e-9, "{}", b.2);
     }

@@ -149,6 +149,7 @@ fn work_and_energy_balance() {
     )
     .unwrap();
     scenario.bicycle = "bulsink2017_bicycle1_case1".to_owned();
+    scenario.drive = Drive::Coast {};
     scenario.input.push(Input {
         channel: Channel::RearTractionNm,
         shape: Shape::Pulse {
@@ -257,19 +258,19 @@ fn what_is_wrong_names_its_place() {
             &["mine.toml", "sample_s", "whole number"],
         ),
         (
-            said(text.replace("bulsink2017_bicycle1_full", "nobody")),
+            said(text.replace("bulsink2017_bicycle1_full:tyre=bulsink2017_600n", "nobody")),
             &["nobody", "bulsink2017_bicycle1_full"],
         ),
         (
-            said(text.replace("duration_s", wind)),
+            said(text.replacen("duration_s", wind, 1)),
             &["wind", "air.drag_area_m2"],
         ),
         (
-            said(text.replace("duration_s =", "motors = \"steam\"\nduration_s =")),
+            said(text.replacen("duration_s =", "motors = \"steam\"\nduration_s =", 1)),
             &["steam", "direct_drive_250w"],
         ),
         (
-            said(text.replace("duration_s =", "commands_end_s = 1.0\nduration_s =")),
+            said(text.replacen("duration_s =", "commands_end_s = 1.0\nduration_s =", 1)),
             &["commands_end_s", "motors"],
         ),
         (
