@@ -1,13 +1,14 @@
 //! `twinhub list` and `twinhub explain`: what there is, and what it means.
 
 use crate::exit::bad_input;
+use crate::registries;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
 use twinhub_plant::bicycles::{self, Bicycle, multibody_sets};
 use twinhub_plant::disturbance::{self, DisturbanceModel as _};
-use twinhub_plant::motor::{self, MotorDrive, MotorModel as _};
+use twinhub_plant::motor;
 use twinhub_plant::multibody::{self, Parameters};
 use twinhub_plant::{sensor, tyre};
 use twinhub_sim::shipped;
@@ -98,7 +99,7 @@ fn catalogue(bicycle: &Parameters) -> Vec<(&'static str, Vec<Entry>)> {
             .map(|(name, about)| entry(*name, *about))
             .collect()
     };
-    vec![
+    let mut kinds = vec![
         ("courses", shipped_entries(shipped::COURSES)),
         ("riders", shipped_entries(shipped::RIDERS)),
         ("laws", shipped_entries(shipped::LAWS)),
@@ -134,7 +135,14 @@ fn catalogue(bicycle: &Parameters) -> Vec<(&'static str, Vec<Entry>)> {
                 .map(|h| entry(h.code, h.cause))
                 .collect(),
         ),
-    ]
+        ("scenarios", shipped_entries(shipped::SCENARIOS)),
+    ];
+    kinds.extend(
+        registries::kinds()
+            .iter()
+            .map(|(kind, entries)| (*kind, pairs(entries))),
+    );
+    kinds
 }
 
 /// Prints what there is.
@@ -188,6 +196,7 @@ fn explanations(name: &str) -> Vec<String> {
         ("course", shipped::COURSES),
         ("rider", shipped::RIDERS),
         ("law", shipped::LAWS),
+        ("scenario", shipped::SCENARIOS),
     ];
     for (kind, table) in files {
         if let Some(file) = table.iter().find(|file| file.name == name) {
@@ -197,17 +206,11 @@ fn explanations(name: &str) -> Vec<String> {
     if let Some(set) = tyre::set(name) {
         texts.push(format!("tyre set {name}: {}\n{:#?}", set.about, set.tyre));
     }
-    texts.extend(tyre::explain(name).map(|e| e.to_string()));
-    texts.extend(
-        MotorDrive::examples()
-            .iter()
-            .find(|m| m.name() == name)
-            .map(|m| m.explain().to_string()),
-    );
+    texts.extend(registries::explanations(name));
     texts.extend(motor::sets::named(name).map(|set| format!("motor set {name}\n{set:#?}")));
     texts.extend(sensor::sets::named(name).map(|set| format!("sensor suite {name}\n{set:#?}")));
     for (set, about, what) in disturbance::sets::all() {
-        if set == name || what.name() == name {
+        if set == name {
             texts.push(format!("{set}: {about}\n{}\n{what:#?}", what.explain()));
         }
     }

@@ -10,8 +10,10 @@ mod link_args;
 mod map;
 mod modes;
 mod processes;
+mod registries;
 mod ride;
 mod ride_report;
+mod simulate;
 mod soak;
 mod span;
 mod torture;
@@ -36,6 +38,8 @@ enum Command {
     Modes(modes::ModesArgs),
     /// Stability of a multibody bicycle over speed and motor torque, and its picture
     Map(map::MapArgs),
+    /// One open-loop run of the multibody plant: a scenario file in, rows as CSV out
+    Simulate(simulate::SimulateArgs),
     /// Measured rides against the model: how wrong it is, and where
     Compare(compare::CompareArgs),
     /// Forces and torques of a tyre
@@ -87,6 +91,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Ride(args) => ride::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),

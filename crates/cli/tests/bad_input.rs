@@ -109,6 +109,57 @@ fn bicycles() {
 }
 
 #[test]
+fn multibody_bicycles_and_scenarios() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let dir = dir.path();
+    let full = "bulsink2017_bicycle1_full";
+    let modes = |more: &[&str]| {
+        let mut arguments = vec!["modes", "--bicycle", full];
+        arguments.extend(more);
+        refused(dir, &arguments)
+    };
+    expect(
+        &modes(&["--set", "tyre.front.twistin_gain=1"]),
+        &["tyre.front.twistin_gain"],
+    );
+    expect(
+        &modes(&["--set", "frame.mass_kg=-1"]),
+        &["frame.mass_kg", "0 to 10,000"],
+    );
+    expect(&modes(&["--roll-deg", "95"]), &["--roll-deg", "-60 to 60"]);
+    expect(&modes(&["--speeds-m-s", "0:0:1"]), &["0.05 to 60"]);
+    expect(
+        &refused(dir, &["modes", "--sensitivities"]),
+        &["meijaard2007_benchmark", "multibody"],
+    );
+    write(dir, "plant.toml", "gravity_m_s2 = 9.81\nwheels = 3\n");
+    expect(
+        &refused(dir, &["modes", "--bicycle", "plant.toml"]),
+        &["plant.toml", "line 2", "wheels"],
+    );
+    write(dir, "run.toml", "schema_version = 1\nabout = 3\n");
+    expect(
+        &refused(dir, &["simulate", "run.toml"]),
+        &["run.toml", "line 2"],
+    );
+    expect(
+        &refused(
+            dir,
+            &["simulate", "push_7ms_off", "--set", "start.speed_m_s=99"],
+        ),
+        &["start.speed_m_s", "0.3 to 15"],
+    );
+    expect(
+        &refused(
+            dir,
+            &["simulate", "push_7ms_off", "--csv", "nowhere/rows.csv"],
+        ),
+        &["nowhere/rows.csv"],
+    );
+    expect(&refused(dir, &["bicycle", "unicycle"]), &["unicycle", full]);
+}
+
+#[test]
 fn studies() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let dir = dir.path();

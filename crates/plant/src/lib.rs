@@ -14,6 +14,7 @@ mod lanes_avx;
 pub mod motor;
 pub mod multibody;
 pub mod noise;
+pub mod options;
 pub mod rider;
 pub mod road;
 pub mod scalar;

@@ -17,7 +17,7 @@
 mod bump;
 
 pub(crate) use bump::uniform;
-pub use bump::{Bump, BumpModel, CosineBump, Roughness, Step};
+pub use bump::{BUMPS, Bump, BumpModel, CosineBump, Roughness, Step};
 
 use crate::Scalar;
 use serde::{Deserialize, Serialize};

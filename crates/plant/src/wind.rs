@@ -18,6 +18,7 @@
 //! force, TOML round trip.
 
 use crate::Scalar;
+use crate::explain::Explain;
 use crate::road::uniform;
 use core::f64::consts::{FRAC_PI_2, PI};
 use serde::{Deserialize, Serialize};
@@ -56,6 +57,8 @@ pub trait GustModel {
     fn velocity_m_s(&self, time_s: f64) -> [f64; 2];
     /// Refuses what cannot be.
     fn validate(&self) -> Result<(), WindError>;
+    /// What `twinhub explain` says.
+    fn explain(&self) -> Explain;
 }
 
 twinhub_types::registry! {
@@ -70,7 +73,31 @@ twinhub_types::registry! {
     }
     fn velocity_m_s(&self, time_s: f64) -> [f64; 2];
     fn validate(&self) -> Result<(), WindError>;
+    fn explain(&self) -> Explain;
 }
+
+/// One example of every gust, with a sentence.
+pub const GUSTS: [(&str, Gust); 2] = [
+    (
+        "a gust of 8 m/s from the left for 3 s",
+        Gust::OneMinusCosine(OneMinusCosine {
+            start_s: 2.0,
+            duration_s: 3.0,
+            along_m_s: 0.0,
+            across_m_s: 8.0,
+        }),
+    ),
+    (
+        "turbulence of 1.5 m/s",
+        Gust::Turbulence(Turbulence {
+            seed: 1,
+            along_sd_m_s: 1.5,
+            across_sd_m_s: 1.5,
+            correlation_time_s: 2.0,
+            lines: 50,
+        }),
+    ),
+];
 
 /// U/2 (1 - cos(2π t / T)).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,6 +118,15 @@ impl GustModel for OneMinusCosine {
         let s = ((time_s - self.start_s) / self.duration_s).clamp(0.0, 1.0);
         let share = 0.5 * (1.0 - libm::cos(2.0 * PI * s));
         [share * self.along_m_s, share * self.across_m_s]
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "one_minus_cosine",
+            what: "a gust: wind that rises and falls once",
+            equation: "U/2 (1 - cos(2π t / T))",
+            source: "EASA CS-23.333",
+            assumes: "the same wind over bicycle and rider",
+        }
     }
     fn validate(&self) -> Result<(), WindError> {
         within("gusts.start_s", self.start_s, f64::MIN, f64::MAX, "finite")?;
@@ -147,6 +183,15 @@ impl GustModel for Turbulence {
             self.axis(time_s, self.along_sd_m_s, 0),
             self.axis(time_s, self.across_sd_m_s, 2),
         ]
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "turbulence",
+            what: "random wind",
+            equation: "sum of sines with the first-order spectrum S(f) = σ² 4 T / (1 + (2π f T)²)",
+            source: "Dryden along the wind, MIL-F-8785C",
+            assumes: "bands of equal variance; frequencies beyond the 95 % quantile are left out",
+        }
     }
     fn validate(&self) -> Result<(), WindError> {
         within(

@@ -9,7 +9,7 @@ pub enum SetupError {
     /// Neither a name that ships nor a file.
     #[error("no {kind} `{found}`: neither a file nor one that ships ({})", .shipped.join(", "))]
     NotFound {
-        /// "course", "rider" or "law".
+        /// "course", "rider", "law" or "scenario".
         kind: &'static str,
         /// What was asked for.
         found: String,
@@ -55,6 +55,12 @@ pub enum SetupError {
     /// The bicycle.
     #[error(transparent)]
     Bicycle(#[from] twinhub_linear::BicycleError),
+    /// A bicycle of either kind.
+    #[error(transparent)]
+    Load(#[from] twinhub_plant::bicycles::LoadError),
+    /// The multibody model.
+    #[error(transparent)]
+    Multibody(#[from] twinhub_plant::multibody::MultibodyError),
     /// The rider.
     #[error("{origin}: {source}")]
     Rider {

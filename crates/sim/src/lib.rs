@@ -14,6 +14,7 @@ mod logger;
 pub mod metrics;
 mod overrides;
 pub mod record;
+pub mod scenario;
 pub mod setup;
 pub mod shipped;
 

@@ -152,7 +152,11 @@ fn control_bicycle(bicycle: &Bicycle) -> twinhub_control::Bicycle {
 }
 
 /// The text of `what`, a name that ships or a file, and where it comes from.
-fn find(kind: &'static str, what: &str, table: &[Shipped]) -> Result<(String, String), SetupError> {
+pub(crate) fn find(
+    kind: &'static str,
+    what: &str,
+    table: &[Shipped],
+) -> Result<(String, String), SetupError> {
     if let Some(file) = table.iter().find(|file| file.name == what) {
         return Ok((format!("{kind} `{what}`"), file.text.to_owned()));
     }
@@ -172,7 +176,7 @@ fn find(kind: &'static str, what: &str, table: &[Shipped]) -> Result<(String, St
 }
 
 /// Reads a file strictly, then once more with the assignments applied.
-fn read<T: DeserializeOwned>(
+pub(crate) fn read<T: DeserializeOwned>(
     origin: &str,
     text: &str,
     overrides: &[&Override],

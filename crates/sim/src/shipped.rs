@@ -21,6 +21,9 @@ pub const COURSES: &[Shipped] = shipped!("../courses/": "first_ride");
 pub const RIDERS: &[Shipped] = shipped!("../riders/": "older_6_to_7");
 /// Laws that ship.
 pub const LAWS: &[Shipped] = shipped!("../../control/laws/": "off", "constant", "scheduled");
+/// Scenarios that ship.
+pub const SCENARIOS: &[Shipped] = shipped!("../scenarios/": "push_7ms_off", "push_7ms_pair", "push_7ms_pair_until_20s",
+    "corner_off", "corner_front", "corner_rear", "past_friction", "pedalling", "rig");
 
 /// The names in a table.
 pub fn names(table: &[Shipped]) -> Vec<&'static str> {

@@ -19,6 +19,7 @@ use super::state::{LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, 
 use super::tree::Hinge;
 use super::vector::{Vec3, add, cross, dot, lift};
 use crate::Scalar;
+use crate::road::Road;
 use crate::tyre::TyreModel;
 
 /// Energy of the model, J.
@@ -40,8 +41,13 @@ impl<T: Scalar> Energy<T> {
 }
 
 impl Multibody {
-    /// Energy in state `x`.
+    /// Energy in state `x` on a level road.
     pub fn energy<T: Scalar>(&self, x: &State<T>) -> Energy<T> {
+        self.energy_on(x, None)
+    }
+
+    /// Energy in state `x` on a road.
+    pub fn energy_on<T: Scalar>(&self, x: &State<T>, road: Option<&Road>) -> Energy<T> {
         let pose = self.tree.pose(x);
         let v = x.base_motion();
         let w = [v[0], v[1], v[2]];
@@ -104,7 +110,7 @@ impl Multibody {
             }
         }
         if !self.no_slip {
-            let points = contact_points(&self.tree, x, &pose, &self.grounds(x, &pose, None), false);
+            let points = contact_points(&self.tree, x, &pose, &self.grounds(x, &pose, road), false);
             for k in 0..2 {
                 let deflection = T::from_f64(self.tree.wheels[k].radius) - points[k].loaded_radius;
                 let stiffness = self.tyres[k].vertical().stiffness_n_m;
@@ -120,7 +126,7 @@ impl Multibody {
 }
 
 /// Adds the turned body to `inertia`; gives its momentum per unit rate.
-fn turned<T: Scalar>(part: &Hinge, q: T, inertia: &mut Inertia<T>) -> Spatial<T> {
+pub(super) fn turned<T: Scalar>(part: &Hinge, q: T, inertia: &mut Inertia<T>) -> Spatial<T> {
     let (s, c) = q.sin_cos();
     let (s2, c2) = q.scale(2.0).sin_cos();
     let h = &part.harmonics;

@@ -163,9 +163,9 @@ pub(super) struct ArmLine<T> {
     pub stretch: T,
     pub rate: T,
     /// From shoulder to grip, unit length.
-    direction: Vec3<T>,
+    pub direction: Vec3<T>,
     /// Grip from the base origin; shoulder from the waist joint.
-    grip: Vec3<T>,
+    pub grip: Vec3<T>,
     shoulder: Vec3<T>,
 }
 

@@ -60,6 +60,7 @@ const GROUPS: &[(&str, &str)] = &[
     ("tyre.front", "front tyre"),
     ("tyre", "both tyres"),
     ("air", "air on the frame"),
+    ("pedalling", "pedalling legs"),
 ];
 
 /// What a key says.
@@ -139,6 +140,35 @@ const KEYS: &[(&str, &str)] = &[
     ("drag_area_m2", "drag coefficient times frontal area"),
     ("side_area_m2", "side force coefficient times lateral area"),
     ("density_kg_m3", "density"),
+    ("cadence_rad_s", "rate of the crank while the rider pedals"),
+    ("crank_length_m", "length of the crank"),
+    (
+        "pedal_offset_m",
+        "middle of each pedal from the middle of the frame",
+    ),
+    ("leg_mass_kg", "mass of each leg"),
+    ("leg_aside_m", "its centre from the middle of the frame"),
+    ("resting_force_n", "force on each pedal while the legs rest"),
+    (
+        "through_trunk_ratio",
+        "share of the pedals' roll moment that the trunk balances",
+    ),
+    (
+        "leg_forward_cos_ratio",
+        "forward motion of a leg's centre over crank length, with cos θ",
+    ),
+    (
+        "leg_forward_sin_ratio",
+        "forward motion of a leg's centre over crank length, with sin θ",
+    ),
+    (
+        "leg_down_cos_ratio",
+        "downward motion of a leg's centre over crank length, with cos θ",
+    ),
+    (
+        "leg_down_sin_ratio",
+        "downward motion of a leg's centre over crank length, with sin θ",
+    ),
     ("nominal_load_n", "load at which the tyre was measured"),
     (
         "longitudinal_shape_ratio",
@@ -279,6 +309,7 @@ mod tests {
     #[test]
     fn every_parameter_has_a_meaning_and_a_unit() {
         let mut p = Parameters::bulsink2017(BulsinkBicycle::One, Case::Full, &Reading::default());
+        p.pedalling = Some(super::super::Pedalling::default());
         for set in crate::tyre::SETS {
             (p.tyre.rear, p.tyre.front) = (set.tyre, set.tyre);
             for entry in p.entries() {

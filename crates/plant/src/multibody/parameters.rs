@@ -5,6 +5,7 @@
 //! centre of mass; products follow the tensor, `xz = -∫xz dm`.
 
 use super::error::MultibodyError;
+use super::pedalling::Pedalling;
 use crate::tyre::Tyre;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +39,9 @@ pub struct Parameters {
     pub tyre: Tyres,
     /// Air.
     pub air: Air,
+    /// Legs that pedal; absent: the pedals' force acts evenly, and the legs rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pedalling: Option<Pedalling>,
 }
 
 /// Geometry of the bicycle.

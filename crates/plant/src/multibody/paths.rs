@@ -5,6 +5,7 @@
 
 use super::error::MultibodyError;
 use super::parameters::Parameters;
+use super::pedalling::Pedalling;
 use crate::bicycles::LoadError;
 use toml::{Table, Value};
 
@@ -125,6 +126,10 @@ impl Parameters {
             return Ok(());
         }
         // An option that is absent now: its parent must exist, and must know the name.
+        if path == "pedalling" {
+            table.insert(path.to_owned(), value);
+            return Ok(());
+        }
         let (parent, key) = path.rsplit_once('.').ok_or_else(|| self.unknown(path))?;
         match slot(table, parent) {
             Some(Value::Table(t)) => {
@@ -184,6 +189,19 @@ impl Parameters {
 /// What `text` means at a place that holds `now`.
 fn read(now: Option<&mut Value>, path: &str, text: &str) -> Result<Value, MultibodyError> {
     let text = text.trim();
+    if path == "pedalling" {
+        return match text {
+            "default" => {
+                Ok(Value::try_from(Pedalling::default()).expect("plain numbers are representable"))
+            }
+            _ => Err(MultibodyError::Kind {
+                path: path.to_owned(),
+                found: text.to_owned(),
+                accepted: "default, and then pedalling.cadence_rad_s=... and its neighbours"
+                    .to_owned(),
+            }),
+        };
+    }
     Ok(match (now, text) {
         (Some(Value::String(_)), _) => Value::String(text.to_owned()),
         (Some(Value::Table(_)), name) if path.starts_with("tyre.") => {

@@ -33,6 +33,8 @@ pub struct Ride {
     input: Input,
     /// Accelerometer, coordinates of the parameters, m.
     sensor_at_m: [f64; 3],
+    /// Angle of the right crank from its upper dead centre, forward, rad.
+    pub(super) crank_rad: f64,
 }
 
 impl Ride {
@@ -55,6 +57,7 @@ impl Ride {
             state,
             input: steady.input,
             sensor_at_m: [frame.x_m, 0.0, frame.z_m],
+            crank_rad: 0.0,
             model,
         })
     }
@@ -79,6 +82,11 @@ impl Ride {
     pub fn set_state(&mut self, state: &State) {
         self.state = *state;
         self.model.project(&mut self.state);
+    }
+
+    /// The road; none is level with friction 1.
+    pub fn road(&self) -> Option<&Road> {
+        self.road.as_ref()
     }
 
     /// What acted in the last step.
@@ -109,17 +117,21 @@ impl Ride {
 
     /// Contacts of rear and front wheel; of a wheel without slip the load alone is meaningful.
     pub fn contacts(&self) -> [WheelContact<f64>; 2] {
-        let mut dx = [0.0; super::STATES];
-        self.model
-            .observed(&self.state, &self.input, self.road.as_ref(), &mut dx)
+        self.contacts_under(&self.input)
     }
 
-    /// Torques and forces of a tick as the model takes them.
+    /// The same where `input` acts.
+    pub fn contacts_under(&self, input: &Input) -> [WheelContact<f64>; 2] {
+        let mut dx = [0.0; super::STATES];
+        self.model
+            .observed(&self.state, input, self.road.as_ref(), &mut dx)
+    }
+
+    /// Torques and forces of a tick as the model takes them, pedals left out.
     pub fn inputs(&self, input: &PlantInput) -> Input {
-        let radius = self.model.tree.wheels[0].radius;
         Input {
             front_brake_nm: input.front_brake_nm,
-            rear_traction_nm: input.rear_traction_nm + input.pedal_force_n * radius,
+            rear_traction_nm: input.rear_traction_nm,
             steer_torque_nm: input.steer_torque_nm,
             force_n: [0.0, input.lateral_force_n, 0.0],
             force_at_m: [input.lateral_force_x_m, 0.0, -input.lateral_force_height_m],
@@ -232,8 +244,9 @@ impl Multibody {
 
 impl PlantModel for Ride {
     fn step(&mut self, input: &PlantInput, step_s: f64) {
+        let pedal_force_n = input.pedal_force_n;
         let input = self.inputs(input);
-        self.advance(&input, step_s);
+        self.pedal(&input, pedal_force_n, step_s);
     }
 
     fn truth(&self) -> Truth {

@@ -311,6 +311,7 @@ impl Parameters {
             },
             tyre: Tyres { rear: tyre, front: tyre, slip_speed_floor_m_s: SLIP_SPEED_FLOOR_M_S },
             air: Air::default(),
+            pedalling: None,
         }
     }
 
@@ -361,6 +362,7 @@ impl Parameters {
                 slip_speed_floor_m_s: SLIP_SPEED_FLOOR_M_S,
             },
             air: Air::default(),
+            pedalling: None,
         }
     }
 }

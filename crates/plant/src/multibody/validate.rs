@@ -175,6 +175,9 @@ pub(super) fn validate(p: &Parameters) -> Result<(), MultibodyError> {
         !joints.legs.free || leg.mass_kg > 0.0,
         "above zero, if legs may move",
     )?;
+    if let Some(pedalling) = &p.pedalling {
+        pedalling.validate()?;
+    }
     let floor = p.tyre.slip_speed_floor_m_s;
     within(
         "tyre.slip_speed_floor_m_s",

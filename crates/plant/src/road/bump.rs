@@ -2,6 +2,7 @@
 
 use super::{RoadError, smooth_step, within};
 use crate::Scalar;
+use crate::explain::Explain;
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,8 @@ pub trait BumpModel {
     fn profile<T: Scalar>(&self, x_m: T) -> (T, T);
     /// Refuses what cannot be.
     fn validate(&self) -> Result<(), RoadError>;
+    /// What `twinhub explain` says.
+    fn explain(&self) -> Explain;
 }
 
 twinhub_types::registry! {
@@ -27,7 +30,39 @@ twinhub_types::registry! {
     }
     fn profile[T: Scalar](&self, x_m: T) -> (T, T);
     fn validate(&self) -> Result<(), RoadError>;
+    fn explain(&self) -> Explain;
 }
+
+/// One example of every bump, with a sentence.
+pub const BUMPS: [(&str, Bump); 3] = [
+    (
+        "a speed bump of 5 cm on 1 m",
+        Bump::Cosine(CosineBump {
+            start_m: 10.0,
+            length_m: 1.0,
+            height_m: 0.05,
+        }),
+    ),
+    (
+        "a kerb of 3 cm",
+        Bump::Step(Step {
+            start_m: 10.0,
+            length_m: 0.1,
+            height_m: 0.03,
+        }),
+    ),
+    (
+        "a road of class B",
+        Bump::Roughness(Roughness {
+            seed: 1,
+            start_m: 0.0,
+            fade_m: 5.0,
+            roughness_m3: 64e-6,
+            wavelength_m: [0.2, 20.0],
+            lines: 100,
+        }),
+    ),
+];
 
 /// height/2 (1 - cos(2π s / length)) between start and start + length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,6 +85,15 @@ impl BumpModel for CosineBump {
             (T::one() - cos).scale(0.5 * self.height_m),
             sin.scale(PI * self.height_m / self.length_m),
         )
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "cosine",
+            what: "one wave of a cosine across the road: a speed bump, or a dip",
+            equation: "h(x) = height/2 (1 - cos(2π (x - start)/length)) between start and start + length",
+            source: "elementary",
+            assumes: "the tyre touches at one point: shorter than the contact patch (0.1 m) it is felt too sharp",
+        }
     }
     fn validate(&self) -> Result<(), RoadError> {
         shape(self.start_m, self.length_m, self.height_m)
@@ -77,6 +121,15 @@ impl BumpModel for Step {
             rise.scale(self.height_m),
             slope.scale(self.height_m / self.length_m),
         )
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "step",
+            what: "a kerb with its edge rounded",
+            equation: "height times the cubic s² (3 - 2 s), s = (x - start)/length held in 0 to 1",
+            source: "elementary",
+            assumes: "no side wall: a wheel always climbs it",
+        }
     }
     fn validate(&self) -> Result<(), RoadError> {
         shape(self.start_m, self.length_m, self.height_m)
@@ -125,6 +178,15 @@ impl BumpModel for Roughness {
             fade * height,
             fade * slope + height * fade_slope.scale(1.0 / self.fade_m),
         )
+    }
+    fn explain(&self) -> Explain {
+        Explain {
+            name: "roughness",
+            what: "random roughness of the road",
+            equation: "sum of sines, one in each of equal bands of spatial frequency, with the spectrum Gd(n) = Gd(n0) (n0/n)², n0 = 0.1 cycles/m",
+            source: "ISO 8608:2016; class A 16e-6 m³, B 64e-6, C 256e-6",
+            assumes: "the same over the whole width; a finite number of waves",
+        }
     }
     fn validate(&self) -> Result<(), RoadError> {
         within("bumps.start_m", self.start_m, f64::MIN, f64::MAX, "finite")?;
