@@ -12,6 +12,7 @@ mod modes;
 mod processes;
 mod ride;
 mod ride_report;
+mod rider;
 mod span;
 mod torture;
 mod tyre;
@@ -31,6 +32,8 @@ struct Cli {
 enum Command {
     /// Ride a course twice, stabilizer off and on; logs, table and report
     Ride(ride::RideArgs),
+    /// Riders: do they keep a bicycle up, and which would
+    Rider(rider::RiderArgs),
     /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
     Modes(modes::ModesArgs),
     /// Stability of a multibody bicycle over speed and motor torque, and its picture
@@ -78,6 +81,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     }
     match cli.command {
         Command::Ride(args) => ride::run(&args),
+        Command::Rider(args) => rider::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Tyre(args) => tyre::run(&args),

@@ -229,6 +229,7 @@ impl<S: Scalar> Input<S> {
             force_at_m: self.force_at_m.map(f),
             moment_nm: self.moment_nm.map(f),
             wind_m_s: self.wind_m_s.map(f),
+            rear_road_y_m_s: f(self.rear_road_y_m_s),
         }
     }
 }

@@ -22,7 +22,7 @@ use super::parameters::{Air, Parameters};
 use super::state::{State, StateAccess};
 use super::step::Stiffness;
 use super::tree::Tree;
-use super::vector::{Vec3, add, columns_times, cross, lift, rows_times, scale, sub};
+use super::vector::{Vec3, add, axpy, columns_times, cross, lift, rows_times, scale, sub};
 use crate::Scalar;
 use crate::road::Road;
 use crate::tyre::{Tyre, TyreModel};
@@ -48,6 +48,9 @@ pub struct Input<T = f64> {
     pub moment_nm: [T; 3],
     /// Velocity of the air over the ground, world axes, m/s.
     pub wind_m_s: [T; 3],
+    /// Velocity of the road under the rear wheel along y of the world (a platform that moves
+    /// sideways), m/s. Only on tyres; without slip it does nothing.
+    pub rear_road_y_m_s: T,
 }
 
 impl<T: Scalar> Default for Input<T> {
@@ -63,6 +66,7 @@ impl<T: Scalar> Default for Input<T> {
             force_at_m: [z; 3],
             moment_nm: [z; 3],
             wind_m_s: [z; 3],
+            rear_road_y_m_s: z,
         }
     }
 }
@@ -199,7 +203,9 @@ impl Multibody {
             }
             return (f, None);
         }
-        let points = contact_points(&self.tree, x, pose, grounds, false);
+        let mut points = contact_points(&self.tree, x, pose, grounds, false);
+        // What slips is the tyre over the road, which may move.
+        points[0].velocity = axpy(points[0].velocity, -input.rear_road_y_m_s, pose.rotation[1]);
         let floor = self.parameters.tyre.slip_speed_floor_m_s;
         let contact = |k: usize, dx: &mut State<T>| {
             let radius = self.tree.wheels[k].radius;
