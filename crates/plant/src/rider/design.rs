@@ -15,9 +15,9 @@
 //!
 //! Checked by: `rider/tests`: shipped riders are what this design gives, and stay up.
 
-use super::closed_loop::{ClosedLoop, LateralBicycle, StabilityAt};
+use super::closed_loop::{ClosedLoop, StabilityAt};
 use super::{
-    AngleGains, AngleParameters, ChannelKind, LinearChannel, SteerAngleParameters,
+    AngleGains, AngleParameters, ChannelKind, LateralBicycle, LinearChannel, SteerAngleParameters,
     SteerTorqueParameters, TorqueGains,
 };
 use crate::multibody::{Multibody, MultibodyError};

@@ -13,6 +13,7 @@ pub mod closed_loop;
 pub mod design;
 mod file;
 mod gains;
+mod lateral;
 mod linear;
 mod muscle;
 mod pedals;
@@ -29,6 +30,7 @@ pub use angle::{
 pub use channel::{DelayLine, MAX_DELAY_S, NeuromuscularLag};
 pub use file::{Channels, HandsOff, Limbs, RiderFile};
 pub use gains::{AngleGains, GainRow, TorqueGains, gains_at};
+pub use lateral::LateralBicycle;
 pub use linear::{LinearChannel, Signals};
 pub use pedals::{Pedals, PedalsParameters};
 pub use steer_torque::{SteerTorque, SteerTorqueParameters};

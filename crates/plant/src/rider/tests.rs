@@ -1,7 +1,7 @@
 //! Riders alone: one suite for every channel; and on bicycles: closed loops against theory,
 //! simulation, published windows.
 
-use super::closed_loop::{ClosedLoop, LateralBicycle, stability};
+use super::closed_loop::{ClosedLoop, stability};
 use super::published::{Group, Table};
 use super::windows::{least_growth, windows};
 use super::*;

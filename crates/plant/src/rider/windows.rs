@@ -12,8 +12,8 @@
 //!
 //! Checked by: `rider/tests`: cells of a table computed by an independent prototype (±1.5 Nm/rad).
 
-use super::closed_loop::{ClosedLoop, LateralBicycle};
-use super::{Limb, LinearChannel, Signals};
+use super::closed_loop::ClosedLoop;
+use super::{LateralBicycle, Limb, LinearChannel, Signals};
 
 /// Gains that keep the bicycle up, with some derivative gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
