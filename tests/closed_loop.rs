@@ -68,6 +68,165 @@ fn the_first_course_is_ridden_with_and_without_the_pair_by_the_same_rider() {
     }
 }
 
+/// The course on the multibody plant.
+fn multibody(assignments: &[&str]) -> Result<Ride, twinhub_sim::SetupError> {
+    let assignments: Vec<String> = assignments.iter().map(|s| (*s).to_owned()).collect();
+    Ride::load("three_to_eight", &assignments)
+}
+
+#[test]
+fn from_3_to_8_m_s_on_tyres_one_rider_stays_up_without_and_with_the_pair() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let course = multibody(&[]).expect("ships");
+    for on in [false, true] {
+        let path = dir.path().join(format!("{on}.mcap"));
+        let (outcome, log) = ride(&course.with_stabilizer(on), &path);
+        assert_eq!(outcome.ending, Ending::Finished, "stabilizer {on}");
+        let column = |name: &str| log.column(PLANT_TRUTH, name).expect("logged");
+        let speed = column("speed_m_s");
+        assert!((speed[0] - 3.0).abs() < 0.01 && (speed[speed.len() - 1] - 8.0).abs() < 0.3);
+        let most = column("front_brake_nm").iter().copied().fold(0.0, f64::max);
+        assert_eq!(most > 30.0, on, "{most} Nm");
+        let worst = |name: &str| column(name).iter().fold(0.0, |w: f64, r| w.max(r.abs()));
+        assert!(
+            worst("roll_rad") > 0.005,
+            "the disturbances reach the bicycle"
+        );
+        assert!(worst("trunk_lean_rad") > 1e-5 && worst("right_leg_rad") > 1e-6);
+        assert!(
+            worst("rear_slip_ratio") > 1e-4,
+            "it stands on tyres that slip"
+        );
+        twinhub_log::check_layouts(&log).expect("every path in the shipped layouts is in the log");
+    }
+}
+
+#[test]
+fn every_part_of_a_course_can_be_written_out_and_set() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let plain = multibody(&["duration_s=1"]).expect("ships");
+    let run = |assignments: &[&str]| {
+        let mut all = vec!["duration_s=1"];
+        all.extend(assignments);
+        let course = multibody(&all).unwrap_or_else(|e| panic!("{assignments:?}: {e}"));
+        // What the log holds is the ride again, bit for bit.
+        let again: Ride = toml::from_str(&course.to_toml()).expect("reads back");
+        assert_eq!(again, course, "{assignments:?}");
+        ride(&course, &dir.path().join("log")).0
+    };
+    let reference = run(&[]).digest;
+    assert_eq!(reference, ride(&plain, &dir.path().join("again")).0.digest);
+    for assignments in [
+        &["motors=direct_drive_250w"][..],
+        &["motors.rear.lag_s=0.05"],
+        &[
+            "motors=direct_drive_250w",
+            "motors.battery.lithium_ion.start_charge_ratio=0.2",
+        ],
+        &["sensors=as_bought"],
+        &["sensors.sensor.roll.timing.delay_s=0.02"],
+        &["sensors.sensor.imu.gyro.bias_sd_rad_s=0.02"],
+        &[
+            "plant.multibody.road=wet",
+            "plant.multibody.road.bank_rad=0.01",
+        ],
+        &[
+            "plant.multibody.road.patches=[{ x_m = [0.5, 2.0], friction_ratio = 0.3, edge_m = 0.1 }]",
+        ],
+        &["plant.multibody.wind=gusty"],
+        &["plant.multibody.wind.across_m_s=2"],
+        &["plant.multibody.bicycle.tyre.front.twisting_gain=0.1"],
+        &["plant.multibody.set.tyre.rear.relaxation_length_m=0.1"],
+        &["plant.multibody.set.joints.legs.free=false"],
+        &["plant.multibody.bicycle=bulsink2017_bicycle1_case6"],
+        &["rider.rider.steer_torque.delay_s=0.12"],
+        &["rider=older_firm"],
+        &[
+            "disturbance.0.what.side_force.rms_n=30",
+            "disturbance.0.start_s=0",
+        ],
+        &[
+            "disturbance=[{ start_s = 0.0, what = { rig_multisine = { amplitude_m = 0.0125, slope = 1.0, duration_s = 100.0, fade_s = 0.2 } } }]",
+        ],
+    ] {
+        assert_ne!(run(assignments).digest, reference, "{assignments:?}");
+    }
+}
+
+#[test]
+fn wrong_multibody_courses_say_what_is_accepted() {
+    for (assignments, parts) in [
+        (
+            &["plant.multibody.bicycle=unicycle"][..],
+            &["unicycle", "bulsink2017_bicycle1_full"][..],
+        ),
+        (
+            &["plant.multibody.set.tyre.front.twistin_gain=1"],
+            &["twistin_gain"],
+        ),
+        (
+            &["plant.multibody.bicycle.geometry.wheelbase_m=-1"],
+            &["wheelbase_m", "0.1 to 10"],
+        ),
+        (&["plant.multibody.road=mud"], &["mud", "wet"]),
+        (
+            &["plant.multibody.road.slop_rad=0.1"],
+            &["slop_rad", "slope_rad"],
+        ),
+        (
+            &["plant.multibody.road.slope_rad=1"],
+            &["slope_rad", "0.35"],
+        ),
+        (
+            &["plant.multibody.wind.across_m_s=99"],
+            &["across_m_s", "50"],
+        ),
+        (
+            &[
+                "plant.multibody.set.air.drag_area_m2=0",
+                "plant.multibody.set.air.side_area_m2=0",
+                "plant.multibody.wind=gusty",
+            ],
+            &["no air areas"],
+        ),
+        (
+            &["plant.multibody.sensor_at_m=[9.0, 0.0, 0.0]"],
+            &["sensor_at_m", "-5 to 5"],
+        ),
+        (&["motors.front.lag_ms=1"], &["lag_ms", "lag_s"]),
+        (&["motors.front.lag_s=-1"], &["lag_s", "-1"]),
+        (
+            &["sensors.sensor.roll.timing.delay_s=-1"],
+            &["delay_s", "-1"],
+        ),
+        (
+            &[
+                "plant.multibody.bicycle=bulsink2017_bicycle1_case1",
+                "disturbance=[{ start_s = 0.0, what = { rig_multisine = { amplitude_m = 0.01, slope = 1.0, duration_s = 9.0, fade_s = 0.2 } } }]",
+            ],
+            &["rig_multisine", "tyres"],
+        ),
+        (
+            &[
+                "plant.multibody.bicycle=bulsink2017_bicycle1_case6",
+                "rider=bulsink2017_trunk_lean_young",
+            ],
+            &["trunk_lean", "joints.trunk_lean.free"],
+        ),
+        (
+            &["plant.benchmark.bicycle=meijaard2007_benchmark"],
+            &["benchmark", "multibody"],
+        ),
+    ] {
+        let error = multibody(assignments)
+            .expect_err(assignments[0])
+            .to_string();
+        for part in parts {
+            assert!(error.contains(part), "`{part}` is missing in: {error}");
+        }
+    }
+}
+
 #[test]
 fn equal_rides_have_equal_digests_and_other_seeds_others() {
     let dir = tempfile::tempdir().expect("temporary directory");
@@ -118,7 +277,7 @@ fn the_controllers_roll_follows_the_truth() {
 fn nobody_at_the_bar_at_walking_pace_is_a_fall_and_an_outcome() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let mut course = load(&["duration_s=30"]);
-    course.rider.rider = twinhub_plant::rider::RiderParameters::HandsOff(Default::default());
+    course.rider.rider = twinhub_plant::rider::Channels::default();
     for point in &mut course.course.speed {
         point.speed_m_s = 2.0;
     }

@@ -45,7 +45,7 @@ def test_equal_rides_have_equal_digests_and_leave_no_file(ride_and_file, tmp_pat
     ride, _ = ride_and_file
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     tempfile.tempdir = None
-    again = twinhub.ride(course="first_ride", stabilizer=True, set=["duration_s=5.0"])
+    again = twinhub.ride(course="three_to_eight", stabilizer=True, set=["duration_s=5.0"])
     assert again.digest == ride.digest and len(ride.digest) == 32
     assert again.stated_digest == again.digest and again.path is None
     assert again.metrics == ride.metrics

@@ -10,6 +10,7 @@ use twinhub_plant::bicycles::{self, Bicycle, multibody_sets};
 use twinhub_plant::disturbance::{self, DisturbanceModel as _};
 use twinhub_plant::motor;
 use twinhub_plant::multibody::{self, Parameters};
+use twinhub_plant::rider::{Channel, Channels};
 use twinhub_plant::{sensor, tyre};
 use twinhub_sim::shipped;
 
@@ -102,7 +103,16 @@ fn catalogue(bicycle: &Parameters) -> Vec<(&'static str, Vec<Entry>)> {
     let mut kinds = vec![
         ("courses", shipped_entries(shipped::COURSES)),
         ("riders", shipped_entries(shipped::RIDERS)),
+        (
+            "channels",
+            Channel::NAMES
+                .iter()
+                .map(|name| entry(*name, Channels::explain(name).map_or("", |e| e.what)))
+                .collect(),
+        ),
         ("laws", shipped_entries(shipped::LAWS)),
+        ("roads", shipped_entries(shipped::ROADS)),
+        ("winds", shipped_entries(shipped::WINDS)),
         ("bicycles", bicycle_entries()),
         ("parameters", parameter_entries(bicycle)),
         (
@@ -197,16 +207,22 @@ fn explanations(name: &str) -> Vec<String> {
         ("rider", shipped::RIDERS),
         ("law", shipped::LAWS),
         ("scenario", shipped::SCENARIOS),
+        ("road", shipped::ROADS),
+        ("wind", shipped::WINDS),
     ];
     for (kind, table) in files {
         if let Some(file) = table.iter().find(|file| file.name == name) {
             texts.push(format!("{kind} {name}\n\n{}", file.text.trim_end()));
+            if kind == "rider" {
+                texts.extend(crate::rider::growth_in_words(name));
+            }
         }
     }
     if let Some(set) = tyre::set(name) {
         texts.push(format!("tyre set {name}: {}\n{:#?}", set.about, set.tyre));
     }
     texts.extend(registries::explanations(name));
+    texts.extend(Channels::explain(name).map(|e| format!("rider channel {e}")));
     texts.extend(motor::sets::named(name).map(|set| format!("motor set {name}\n{set:#?}")));
     texts.extend(sensor::sets::named(name).map(|set| format!("sensor suite {name}\n{set:#?}")));
     for (set, about, what) in disturbance::sets::all() {

@@ -13,6 +13,7 @@ mod processes;
 mod registries;
 mod ride;
 mod ride_report;
+mod rider;
 mod simulate;
 mod soak;
 mod span;
@@ -34,6 +35,8 @@ struct Cli {
 enum Command {
     /// Ride a course twice, stabilizer off and on; logs, table and report
     Ride(ride::RideArgs),
+    /// Riders: do they keep a bicycle up, and which would
+    Rider(rider::RiderArgs),
     /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
     Modes(modes::ModesArgs),
     /// Stability of a multibody bicycle over speed and motor torque, and its picture
@@ -89,6 +92,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     }
     match cli.command {
         Command::Ride(args) => ride::run(&args),
+        Command::Rider(args) => rider::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Simulate(args) => simulate::run(&args),

@@ -17,11 +17,12 @@ use twinhub_sim::{Ending, Outcome, Progress, Ride, RideError, Settings};
 #[derive(Args)]
 pub struct RideArgs {
     /// A course that ships (see `twinhub list`), or a course file.
-    #[arg(default_value = "first_ride")]
+    #[arg(default_value = twinhub_sim::shipped::DEFAULT_COURSE)]
     course: String,
-    /// Change one value: `duration_s=20`, `seed=3`, `rider=FILE`, `law=off`,
-    /// `plant.benchmark.bicycle=FILE`, `rider.rider.steer_torque.delay_s=0.12`,
-    /// `law.limits.torque_max_nm=30`. May be given several times.
+    /// Change one value: `duration_s=20`, `seed=3`, `rider=young`, `law=off`, `motors=FILE`,
+    /// `motors.front.lag_s=0.02`, `plant.multibody.road=wet`,
+    /// `plant.multibody.set.tyre.front.twisting_gain=0.1`, `law.limits.torque_max_nm=30`,
+    /// `rider.rider.steer_torque.delay_s=0.12`. May be given several times.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     assignments: Vec<String>,
     /// Seed of everything random; the course's own if not given.
@@ -151,7 +152,7 @@ pub fn coded(error: RideError) -> anyhow::Error {
     }
 }
 
-/// A directory that no other ride writes to: `first_ride`, `first_ride-2`, ...
+/// A directory that no other ride writes to: `three_to_eight`, `three_to_eight-2`, ...
 fn new_directory(out: &Path, name: &str) -> anyhow::Result<PathBuf> {
     let cannot = |path: &Path, e: std::io::Error| {
         anyhow::anyhow!(

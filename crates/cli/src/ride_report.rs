@@ -7,7 +7,7 @@ use twinhub_log::{PLANT_TRUTH, RIDER_STATE};
 use twinhub_plant::disturbance::Disturbance;
 use twinhub_report::ride::{self as report, RidePage, Signals, Stretch, ride_page};
 use twinhub_sim::Ride;
-use twinhub_sim::course::PlantChoice;
+use twinhub_sim::plant::PlantChoice;
 
 /// The table that ends a ride: at most 12 lines of 80 columns, then what to try next.
 pub fn table(ride: &Ride, runs: &[Run]) -> String {
@@ -152,8 +152,8 @@ pub fn write(page: &Path, ride: &Ride, runs: &[Run]) -> anyhow::Result<()> {
         ),
         rides: runs.iter().map(one).collect::<anyhow::Result<_>>()?,
         stretches: stretches(ride),
-        no_slip: matches!(ride.course.plant, PlantChoice::Benchmark(_)),
-        notes: Vec::new(),
+        no_slip: !ride.bicycle.has_tyres(),
+        notes: notes(ride),
         provenance: vec![
             ("version".into(), version),
             ("commit".into(), git_hash),
@@ -173,6 +173,14 @@ pub fn write(page: &Path, ride: &Ride, runs: &[Run]) -> anyhow::Result<()> {
     };
     std::fs::write(page, ride_page(&content))
         .with_context(|| format!("{}: cannot be written", page.display()))
+}
+
+/// What a reader of the page should know about the plant.
+fn notes(ride: &Ride) -> Vec<String> {
+    match ride.course.plant {
+        PlantChoice::Multibody(_) if ride.bicycle.has_tyres() => vec![report::TYRES_NOTE.into()],
+        _ => Vec::new(),
+    }
 }
 
 /// One ride with its signals, read back from its log.

@@ -28,7 +28,7 @@ fn digests(output: &Output) -> Vec<String> {
 }
 
 /// A ride so long that a test has time to disturb it.
-const LONG: [&str; 4] = ["ride", "--json", "--set", "duration_s=36000"];
+const LONG: [&str; 5] = ["ride", "first_ride", "--json", "--set", "duration_s=36000"];
 
 /// Started with its own standard error, which is returned when it ends.
 fn start(dir: &Path, arguments: &[&str]) -> Child {
@@ -130,8 +130,8 @@ fn two_processes_and_one_give_the_same_digests() {
     assert_eq!(two.len(), 2);
     assert_eq!(two, one);
     assert_ne!(two[0], two[1]);
-    assert!(dir.path().join("rides/first_ride/report.html").exists());
-    assert!(dir.path().join("rides/first_ride-2/on.mcap").exists());
+    assert!(dir.path().join("rides/three_to_eight/report.html").exists());
+    assert!(dir.path().join("rides/three_to_eight-2/on.mcap").exists());
 }
 
 #[test]

@@ -5,7 +5,8 @@
 //! (`twinhub_linear`). Yaw rate (v δ + c δ') cos λ / w (their equation B7). Speed:
 //! (m_T + I_Ryy / r_R² + I_Fyy / r_F²) v' = sum of the longitudinal forces.
 //!
-//! Assumes and ignores: small roll and steer, rigid rider, no tyre slip, flat road. Rolling
+//! Assumes and ignores: small roll and steer, rigid rider (torques on trunk and legs do nothing), no
+//! tyre slip, flat road that does not move, still air. Rolling
 //! resistance is a constant force, air drag ½ ρ C_d A v². Both wheels' loads are the static ones
 //! with the load transfer of the acceleration.
 //!
@@ -195,6 +196,10 @@ impl PlantModel for Benchmark {
             rear_load_n: weight_n - front_load_n,
             front_slip_ratio: 0.0,
             rear_slip_ratio: 0.0,
+            trunk_lean_rad: 0.0,
+            trunk_lean_rate_rad_s: 0.0,
+            legs_rad: [0.0; 2],
+            leg_rates_rad_s: [0.0; 2],
             body_rates_rad_s: [x[2], yaw_rate * sin_roll, yaw_rate * cos_roll],
             specific_force_m_s2: [
                 acceleration,

@@ -22,6 +22,14 @@ pub struct PlantInput {
     pub roll_torque_nm: f64,
     /// Yaw torque on the rear frame, Nm.
     pub yaw_torque_nm: f64,
+    /// Rider's torque between pelvis and trunk, leaning the trunk to the right, Nm.
+    pub trunk_lean_torque_nm: f64,
+    /// Rider's torques that turn left and right leg outward, Nm.
+    pub leg_torque_nm: [f64; 2],
+    /// Velocity of the air over the ground, x and y of the map, m/s.
+    pub wind_m_s: [f64; 2],
+    /// Velocity of the road under the rear wheel to the right of the map, m/s.
+    pub rear_road_y_m_s: f64,
 }
 
 /// What is true of a plant at a tick.
@@ -59,6 +67,14 @@ pub struct Truth {
     pub front_slip_ratio: f64,
     /// Longitudinal slip of the rear tyre, driving positive.
     pub rear_slip_ratio: f64,
+    /// Lean of the trunk relative to the frame, rad; zero where the rider is rigid.
+    pub trunk_lean_rad: f64,
+    /// Its rate, rad/s.
+    pub trunk_lean_rate_rad_s: f64,
+    /// Left and right leg about the hip-ankle line, outward positive, rad.
+    pub legs_rad: [f64; 2],
+    /// Their rates, rad/s.
+    pub leg_rates_rad_s: [f64; 2],
     /// Angular velocity of the rear frame in its own axes, rad/s.
     pub body_rates_rad_s: [f64; 3],
     /// Specific force at the sensor's place in the axes of the rear frame, m/s².

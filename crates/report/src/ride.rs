@@ -103,6 +103,14 @@ speed on, and capsize unstable from a lower speed on. How much of this is left o
 hangs on the tyre's twisting torque, so this ride shows that the loop works, not how large the \
 benefit is.";
 
+/// What riding on tyres means for the pair.
+pub const TYRES_NOTE: &str = "The tyres of this plant slip. Straight and upright the motor pair has \
+no lateral force of its own: through the tyres it acts as a spring that centres the steering, about \
+10 Nm/rad at 80 Nm. A passive spring of that stiffness does the same without energy. Whether the \
+pair helps hangs on the tyre's twisting torque: with a tenth of it, the pair makes things worse \
+(--set plant.multibody.set.tyre.front.twisting_gain=0.1). How much it helps hangs on the rider: \
+one who holds the bars stiffly overrides a steering spring.";
+
 /// Changes below this share are called none.
 const SAME: f64 = 0.02;
 

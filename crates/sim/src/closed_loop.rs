@@ -7,7 +7,7 @@ use crate::error::{RideError, SetupError};
 use crate::logger::Logger;
 use crate::metrics::{Metrics, Sums};
 use crate::record::{RiderRow, TruthRow, truth_row};
-use crate::setup::{Ride, places};
+use crate::setup::Ride;
 use crate::{TICK, TICK_S};
 use std::path::PathBuf;
 use twinhub_link::protocol::is_plausible;
@@ -15,7 +15,7 @@ use twinhub_link::{ControllerPort, Faulty, LinkError, Pacing, Timing};
 use twinhub_log::Level;
 use twinhub_plant::disturbance::Disturbances;
 use twinhub_plant::motor::{PowerOutput, PowerTrain};
-use twinhub_plant::rider::{Perception, Rider, RiderModel};
+use twinhub_plant::rider::{Perception, Rider};
 use twinhub_plant::sensor::{SensorSuite, SensorTruth};
 use twinhub_plant::{PlantInput, PlantModel, Truth};
 use twinhub_types::messages::PROTOCOL_HASH;
@@ -237,11 +237,11 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(ride: &'a Ride) -> Result<Self, SetupError> {
-        let bicycle = ride.bicycle()?;
+        let bicycle = &ride.bicycle;
         let plant = ride
             .course
             .plant
-            .build(&bicycle, ride.course.speed_m_s(0.0))?;
+            .build(bicycle, ride.course.speed_m_s(0.0))?;
         let rider = ride
             .rider
             .start(ride.course.seed, TICK_S)
@@ -253,8 +253,8 @@ impl<'a> Bench<'a> {
             ride,
             plant,
             rider,
-            sensors: ride.course.build_sensors(ride.bicycle.parameters.rR)?,
-            disturbances: ride.course.build_disturbances(&places(&bicycle))?,
+            sensors: ride.course.build_sensors(bicycle.shape().rear_radius_m)?,
+            disturbances: ride.course.build_disturbances(bicycle)?,
             power: ride.course.build_motors()?,
             power_out: PowerOutput::default(),
             assist_on: ride.stabilizer_on,
@@ -308,6 +308,7 @@ impl<'a> Bench<'a> {
             TICK,
         );
         let side = self.disturbances.at(now.as_secs_f64());
+        let wind = self.ride.course.plant.wind();
         let input = PlantInput {
             front_brake_nm: self.power_out.front_brake_nm,
             rear_traction_nm: self.power_out.rear_traction_nm,
@@ -318,6 +319,10 @@ impl<'a> Bench<'a> {
             lateral_force_height_m: side.point_height_m,
             roll_torque_nm: side.roll_torque_nm,
             yaw_torque_nm: side.yaw_torque_nm,
+            trunk_lean_torque_nm: action.trunk_lean_torque_nm,
+            leg_torque_nm: action.leg_torque_nm,
+            wind_m_s: wind.map_or([0.0; 2], |w| w.velocity_m_s(now.as_secs_f64())),
+            rear_road_y_m_s: side.rear_road_y_m_s,
         };
         self.plant.step(&input, TICK_S);
         let row = TruthRow {
@@ -329,6 +334,9 @@ impl<'a> Bench<'a> {
         };
         let rider = RiderRow {
             steer_torque_nm: action.steer_torque_nm,
+            trunk_lean_torque_nm: action.trunk_lean_torque_nm,
+            left_leg_torque_nm: action.leg_torque_nm[0],
+            right_leg_torque_nm: action.leg_torque_nm[1],
             pedal_force_n: action.pedal_force_n,
             wanted_speed_m_s,
         };
@@ -342,6 +350,10 @@ fn perception(t: &Truth, wanted_speed_m_s: f64) -> Perception {
         roll_rate_rad_s: t.roll_rate_rad_s,
         steer_rad: t.steer_rad,
         steer_rate_rad_s: t.steer_rate_rad_s,
+        trunk_lean_rad: t.trunk_lean_rad,
+        trunk_lean_rate_rad_s: t.trunk_lean_rate_rad_s,
+        legs_rad: t.legs_rad,
+        leg_rates_rad_s: t.leg_rates_rad_s,
         yaw_rad: t.yaw_rad,
         speed_m_s: t.speed_m_s,
         wanted_speed_m_s,

@@ -1,14 +1,16 @@
 //! A course: what is ridden, on what, by whom, and what disturbs it.
 
+use crate::bicycle::ResolvedBicycle;
+use crate::choice::Choice;
 use crate::error::SetupError;
+use crate::plant::PlantChoice;
+use crate::resolve;
 use serde::{Deserialize, Serialize};
-use twinhub_linear::Bicycle;
 use twinhub_link::fault::LinkFault;
-use twinhub_plant::PlantModel;
-use twinhub_plant::benchmark::{Benchmark, Resistance};
-use twinhub_plant::disturbance::{Disturbance, Disturbances, Places, Timed};
-use twinhub_plant::motor::{self, PowerTrain};
-use twinhub_plant::sensor::{self, SensorSuite};
+use twinhub_plant::benchmark::Resistance;
+use twinhub_plant::disturbance::{Disturbance, Disturbances, Timed};
+use twinhub_plant::motor::{PowerTrain, PowerTrainParameters};
+use twinhub_plant::sensor::{SensorSuite, SuiteParameters};
 
 /// A course file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,10 +28,10 @@ pub struct Course {
     pub rider: String,
     /// A law that ships, or a law file.
     pub law: String,
-    /// Motor drives and battery: a set that ships.
-    pub motors: String,
-    /// Sensors: a suite that ships.
-    pub sensors: String,
+    /// Motor drives and battery: a set that ships, a file, or the values.
+    pub motors: Choice<PowerTrainParameters>,
+    /// Sensors: a suite that ships, a file, or the values.
+    pub sensors: Choice<SuiteParameters>,
     /// Speed over time, straight lines between the points.
     pub speed: Vec<SpeedPoint>,
     /// The plant.
@@ -50,51 +52,6 @@ pub struct SpeedPoint {
     pub t_s: f64,
     /// Speed, m/s.
     pub speed_m_s: f64,
-}
-
-/// The plants.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum PlantChoice {
-    /// Linear, no tyre slip: `twinhub_plant::benchmark`.
-    Benchmark(BenchmarkChoice),
-}
-
-/// The benchmark plant of a course.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BenchmarkChoice {
-    /// Built-in name, file, or `bicycle+rider`.
-    pub bicycle: String,
-    /// Resistance to rolling and to air.
-    pub resistance: Resistance,
-}
-
-impl PlantChoice {
-    /// The plant, upright and straight at `speed_m_s`.
-    ///
-    /// # Errors
-    /// If the bicycle's values cannot be.
-    pub fn build(
-        &self,
-        bicycle: &Bicycle,
-        speed_m_s: f64,
-    ) -> Result<Box<dyn PlantModel>, SetupError> {
-        match self {
-            Self::Benchmark(choice) => Ok(Box::new(Benchmark::new(
-                bicycle,
-                choice.resistance,
-                speed_m_s,
-            )?)),
-        }
-    }
-
-    /// The bicycle that is named.
-    pub fn bicycle(&self) -> &str {
-        match self {
-            Self::Benchmark(choice) => &choice.bicycle,
-        }
-    }
 }
 
 impl Course {
@@ -164,6 +121,8 @@ impl Course {
             air_density_kg_m3,
         } = match &self.plant {
             PlantChoice::Benchmark(choice) => choice.resistance,
+            // Its own check follows when its names are resolved.
+            PlantChoice::Multibody(_) => return Ok(()),
         };
         for (key, value, most, accepted) in [
             ("rolling_ratio", rolling_ratio, 0.2, "0 to 0.2"),
@@ -181,36 +140,49 @@ impl Course {
         Ok(())
     }
 
-    /// What disturbs the ride on a bicycle with these places.
+    /// Puts values in the place of names.
+    ///
+    /// # Errors
+    /// If a name is unknown, or its file or values are wrong.
+    pub fn resolve(&mut self) -> Result<(), SetupError> {
+        self.motors = resolve::motors(&self.motors)?.into();
+        self.sensors = resolve::sensors(&self.sensors)?.into();
+        self.plant.resolve()
+    }
+
+    /// What disturbs the ride on this bicycle.
     ///
     /// # Errors
     /// If a number is out of range, or the plant cannot take such a disturbance.
-    pub fn build_disturbances(&self, places: &Places) -> Result<Disturbances, SetupError> {
+    pub fn build_disturbances(
+        &self,
+        bicycle: &ResolvedBicycle,
+    ) -> Result<Disturbances, SetupError> {
         let bad = |detail: String| SetupError::Format {
             origin: "course".into(),
             detail,
         };
         let rig = |t: &Timed| matches!(t.what, Disturbance::RigMultisine(_));
-        if matches!(self.plant, PlantChoice::Benchmark(_)) && self.disturbance.iter().any(rig) {
+        if !bicycle.has_tyres() && self.disturbance.iter().any(rig) {
             return Err(bad(
-                "`rig_multisine` moves the road under the rear wheel, which the benchmark plant \
-                 does not have; use `multisine_force`"
+                "`rig_multisine` moves the road under the rear tyre, which this bicycle does not \
+                 have (no slip); use `multisine_force`, or a multibody bicycle on tyres"
                     .into(),
             ));
         }
-        Disturbances::new(&self.disturbance, places, self.seed).map_err(|e| bad(e.to_string()))
+        Disturbances::new(&self.disturbance, &bicycle.places(), self.seed)
+            .map_err(|e| bad(e.to_string()))
     }
 
     /// The sensors of the bicycle with rear wheels of `rear_radius_m`.
     ///
     /// # Errors
-    /// If no suite has that name.
+    /// If no suite has that name, or a number is out of range.
     pub fn build_sensors(&self, rear_radius_m: f64) -> Result<SensorSuite, SetupError> {
-        let suite = sensor::sets::named(&self.sensors)
-            .ok_or_else(|| unknown("sensor suite", &self.sensors, sensor::sets::SUITES))?;
+        let suite = resolve::sensors(&self.sensors)?;
         SensorSuite::new(&suite.with_rear_radius_m(rear_radius_m), self.seed).map_err(|e| {
             SetupError::Format {
-                origin: format!("sensor suite `{}`", self.sensors),
+                origin: "sensors".into(),
                 detail: e.to_string(),
             }
         })
@@ -219,12 +191,11 @@ impl Course {
     /// Motor drives and battery.
     ///
     /// # Errors
-    /// If no set has that name.
+    /// If no set has that name, or a number is out of range.
     pub fn build_motors(&self) -> Result<PowerTrain, SetupError> {
-        let set = motor::sets::named(&self.motors)
-            .ok_or_else(|| unknown("motor set", &self.motors, motor::sets::SETS))?;
+        let set = resolve::motors(&self.motors)?;
         PowerTrain::new(&set).map_err(|e| SetupError::Format {
-            origin: format!("motor set `{}`", self.motors),
+            origin: "motors".into(),
             detail: e.to_string(),
         })
     }
@@ -240,13 +211,5 @@ impl Course {
                 a.speed_m_s + (t_s - a.t_s) / (b.t_s - a.t_s) * (b.speed_m_s - a.speed_m_s)
             }
         }
-    }
-}
-
-fn unknown(kind: &'static str, found: &str, sets: &[(&'static str, &str)]) -> SetupError {
-    SetupError::NotFound {
-        kind,
-        found: found.into(),
-        shipped: sets.iter().map(|(name, _)| *name).collect(),
     }
 }

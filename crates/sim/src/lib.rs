@@ -6,6 +6,8 @@
 //!
 //! Read [`closed_loop`] first: it is the tick.
 
+pub mod bicycle;
+pub mod choice;
 pub mod closed_loop;
 mod controller;
 pub mod course;
@@ -13,7 +15,9 @@ mod error;
 mod logger;
 pub mod metrics;
 mod overrides;
+pub mod plant;
 pub mod record;
+mod resolve;
 pub mod scenario;
 pub mod setup;
 pub mod shipped;

@@ -59,13 +59,13 @@ impl Logger {
             RideLog::create
         };
         let mut log = create(path, &metadata, &config)?;
-        let p = &ride.bicycle.parameters;
+        let shape = ride.bicycle.shape();
         log.scene_topic(twinhub_log::BicycleShape {
-            wheelbase_m: p.w,
-            steer_axis_tilt_rad: p.lam,
-            trail_m: p.c,
-            rear_radius_m: p.rR,
-            front_radius_m: p.rF,
+            wheelbase_m: shape.wheelbase_m,
+            steer_axis_tilt_rad: shape.steer_tilt_rad,
+            trail_m: shape.trail_m,
+            rear_radius_m: shape.rear_radius_m,
+            front_radius_m: shape.front_radius_m,
         })?;
         Ok(Self {
             truth: log.topic(twinhub_log::PLANT_TRUTH, Digest::Digested)?,

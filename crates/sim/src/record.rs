@@ -38,6 +38,12 @@ row! {
         front_slip_ratio,
         /// Rear longitudinal slip.
         rear_slip_ratio,
+        /// Lean of the trunk relative to the frame, rad.
+        trunk_lean_rad,
+        /// Left leg about the hip-ankle line, outward positive, rad.
+        left_leg_rad,
+        /// Right leg about the hip-ankle line, outward positive, rad.
+        right_leg_rad,
         /// Front motor's brake torque over the tick, Nm.
         front_brake_nm,
         /// Rear motor's traction torque over the tick, Nm.
@@ -134,6 +140,12 @@ row! {
     pub struct RiderRow {
         /// Torque on the handlebar, Nm.
         steer_torque_nm,
+        /// Torque that leans the trunk to the right, Nm.
+        trunk_lean_torque_nm,
+        /// Torque that turns the left leg outward, Nm.
+        left_leg_torque_nm,
+        /// Torque that turns the right leg outward, Nm.
+        right_leg_torque_nm,
         /// Force of the pedals at the rear contact, N.
         pedal_force_n,
         /// Speed that the course asks for, m/s.
@@ -160,6 +172,9 @@ pub fn truth_row(t: &Truth) -> TruthRow {
         rear_load_n: t.rear_load_n,
         front_slip_ratio: t.front_slip_ratio,
         rear_slip_ratio: t.rear_slip_ratio,
+        trunk_lean_rad: t.trunk_lean_rad,
+        left_leg_rad: t.legs_rad[0],
+        right_leg_rad: t.legs_rad[1],
         ..TruthRow::default()
     }
 }

@@ -1,15 +1,15 @@
 //! From names and files to everything that a ride needs, in one value that is echoed in the log.
 
+use crate::bicycle::ResolvedBicycle;
 use crate::course::Course;
 use crate::error::SetupError;
 use crate::overrides::{Override, apply};
+use crate::resolve::parsed;
 use crate::shipped::{self, Shipped};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use twinhub_control::Config;
-use twinhub_linear::Bicycle;
-use twinhub_plant::disturbance::Places;
 use twinhub_plant::rider::RiderFile;
 
 /// A ride with every name resolved: two rides with equal values give equal digests.
@@ -28,18 +28,6 @@ pub struct Ride {
     pub law: Config,
     /// The bicycle.
     pub bicycle: ResolvedBicycle,
-}
-
-/// A bicycle with its values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ResolvedBicycle {
-    /// Name or file.
-    pub name: String,
-    /// Where the values come from.
-    pub source: String,
-    /// Values, symbols of Meijaard et al. (2007), SI.
-    pub parameters: twinhub_linear::Parameters,
 }
 
 impl Ride {
@@ -61,23 +49,27 @@ impl Ride {
         let name = Path::new(course)
             .file_stem()
             .map_or(course.to_owned(), |s| s.to_string_lossy().into_owned());
-        let course: Course = read(&origin, &text, &of("course"))?;
+        let mut course: Course = read(&origin, &text, &of("course"))?;
         course.check(&origin)?;
+        course.resolve()?;
         let (origin, text) = find("rider", &course.rider, shipped::RIDERS)?;
         let rider: RiderFile = read(&origin, &text, &of("rider"))?;
+        let bicycle = course.plant.bicycle()?;
+        course.plant.check(&bicycle)?;
         rider
-            .start(course.seed, crate::TICK_S)
+            .validate()
+            .and_then(|()| rider.fits(bicycle.limbs()))
             .map_err(|source| SetupError::Rider {
                 origin: origin.clone(),
                 source,
             })?;
         let (origin, text) = find("law", &course.law, shipped::LAWS)?;
         let mut law: Config = read(&origin, &text, &of("law"))?;
-        let bicycle = Bicycle::load(course.plant.bicycle())?;
-        law.bicycle = control_bicycle(&bicycle);
-        course.build_disturbances(&places(&bicycle))?;
-        course.build_sensors(bicycle.parameters.rR)?;
+        law.bicycle = bicycle.control();
+        course.build_disturbances(&bicycle)?;
+        course.build_sensors(bicycle.shape().rear_radius_m)?;
         course.build_motors()?;
+        course.plant.build(&bicycle, course.speed_m_s(0.0))?;
         law.check().map_err(|e| SetupError::Law {
             origin,
             detail: e.to_string(),
@@ -85,11 +77,7 @@ impl Ride {
         Ok(Self {
             name,
             stabilizer_on: true,
-            bicycle: ResolvedBicycle {
-                name: bicycle.name,
-                source: bicycle.source,
-                parameters: bicycle.parameters,
-            },
+            bicycle,
             course,
             rider,
             law,
@@ -113,42 +101,18 @@ impl Ride {
     pub fn ticks(&self) -> u64 {
         libm::round(self.course.duration_s / crate::TICK_S) as u64
     }
-
-    /// The bicycle that is ridden.
-    pub fn bicycle(&self) -> Result<Bicycle, SetupError> {
-        Ok(Bicycle::new(
-            &self.bicycle.name,
-            &self.bicycle.source,
-            self.bicycle.parameters,
-        )?)
-    }
 }
 
-/// Where forces act on the benchmark bicycle. It has no saddle; a city bicycle's stands a fifth of
-/// the wheelbase before the rear contact, 0.9 m high.
-pub fn places(bicycle: &Bicycle) -> Places {
-    let p = &bicycle.parameters;
-    Places {
-        frame_centre_m: [p.xB, -p.zB],
-        saddle_m: [0.2 * p.w, 0.9],
-    }
-}
-
-/// What the controller is told about the bicycle, rider on it.
-fn control_bicycle(bicycle: &Bicycle) -> twinhub_control::Bicycle {
-    let p = &bicycle.parameters;
-    let mass = p.mR + p.mB + p.mH + p.mF;
-    let front = p.g * (p.mB * p.xB + p.mH * p.xH + p.mF * p.w) / p.w;
-    let height = (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / mass;
-    twinhub_control::Bicycle {
-        front_wheel_radius_m: p.rF as f32,
-        rear_wheel_radius_m: p.rR as f32,
-        wheelbase_m: p.w as f32,
-        steer_tilt_rad: p.lam as f32,
-        front_load_n: front as f32,
-        rear_load_n: (mass * p.g - front) as f32,
-        com_height_m: height as f32,
-    }
+/// The rider called `rider`: a name that ships, or a file.
+///
+/// # Errors
+/// If there is none, or a number is out of range.
+pub fn load_rider(rider: &str) -> Result<RiderFile, SetupError> {
+    let (origin, text) = find("rider", rider, shipped::RIDERS)?;
+    let file: RiderFile = parsed(&origin, &text)?;
+    file.validate()
+        .map_err(|source| SetupError::Rider { origin, source })?;
+    Ok(file)
 }
 
 /// The text of `what`, a name that ships or a file, and where it comes from.
@@ -176,27 +140,26 @@ pub(crate) fn find(
 }
 
 /// Reads a file strictly, then once more with the assignments applied.
-pub(crate) fn read<T: DeserializeOwned>(
+pub(crate) fn read<T: DeserializeOwned + Serialize>(
     origin: &str,
     text: &str,
     overrides: &[&Override],
 ) -> Result<T, SetupError> {
-    let as_it_is: T = toml::from_str(text).map_err(|e| SetupError::Format {
-        origin: origin.into(),
-        detail: e.to_string().trim_end().to_owned(),
-    })?;
+    let as_it_is: T = parsed(origin, text)?;
     if overrides.is_empty() {
         return Ok(as_it_is);
     }
-    let mut tree: toml::Value = toml::from_str(text).map_err(|e| SetupError::Format {
+    // What was left out of the file but has a value is there to be set.
+    let mut tree = toml::Value::try_from(&as_it_is).map_err(|e| SetupError::Format {
         origin: origin.into(),
         detail: e.to_string(),
     })?;
+    let mut doubts = Vec::new();
     for o in overrides {
-        apply(&mut tree, o)?;
+        doubts.extend(apply(&mut tree, o)?);
     }
-    tree.try_into()
-        .map_err(|e: toml::de::Error| SetupError::Override {
+    tree.try_into().map_err(|e: toml::de::Error| {
+        doubts.into_iter().next().unwrap_or(SetupError::Override {
             assignment: overrides
                 .iter()
                 .map(|o| o.text())
@@ -204,4 +167,5 @@ pub(crate) fn read<T: DeserializeOwned>(
                 .join(" --set "),
             detail: e.to_string().trim_end().to_owned(),
         })
+    })
 }

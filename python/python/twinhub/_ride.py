@@ -80,7 +80,7 @@ def courses() -> list[str]:
 
 
 def ride(
-    course: NameOrPath = "first_ride",
+    course: NameOrPath = "three_to_eight",
     stabilizer: bool = True,
     set: Assignments | None = None,
     seed: int | None = None,

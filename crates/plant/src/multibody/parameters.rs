@@ -311,6 +311,25 @@ impl Parameters {
         toml::to_string(self).expect("plain numbers, flags and names are representable")
     }
 
+    /// Mass of bicycle and rider, kg, and their centre of mass at rest: forward of the rear contact
+    /// and above the road, m.
+    pub fn mass_and_centre(&self) -> (f64, [f64; 2]) {
+        let (r, leg) = (&self.rider, &self.rider.leg);
+        let parts = [&self.frame, &self.fork, &r.pelvis, &r.trunk, &r.forearms]
+            .map(|b| (b.mass_kg, b.x_m, -b.z_m));
+        let (rear, front) = (&self.rear_wheel, &self.front_wheel);
+        let wheels = [
+            (rear.mass_kg, 0.0, rear.radius_m),
+            (front.mass_kg, self.geometry.wheelbase_m, front.radius_m),
+            (2.0 * leg.mass_kg, leg.x_m, -leg.z_m),
+        ];
+        let all = parts.iter().chain(&wheels);
+        let (mass, x, height) = all.fold((0.0, 0.0, 0.0), |(m, x, h), p| {
+            (m + p.0, x + p.0 * p.1, h + p.0 * p.2)
+        });
+        (mass, [x / mass, height / mass])
+    }
+
     /// Refuses what no bicycle can be.
     pub fn validate(&self) -> Result<(), MultibodyError> {
         super::validate::validate(self)

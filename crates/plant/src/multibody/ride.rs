@@ -15,7 +15,10 @@ use super::contact::WheelContact;
 use super::error::MultibodyError;
 use super::model::{Input, Multibody};
 use super::parameters::Parameters;
-use super::state::{ANGULAR, ATTITUDE, SPIN, STEER, STEER_RATE, State, StateAccess, VELOCITY};
+use super::state::{
+    ANGULAR, ATTITUDE, LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, TRUNK,
+    TRUNK_RATE, VELOCITY,
+};
 use super::steady::Course;
 use super::vector::{Vec3, add, columns_times, cross, rows_times, sub};
 use crate::road::Road;
@@ -136,17 +139,10 @@ impl Ride {
             force_n: [0.0, input.lateral_force_n, 0.0],
             force_at_m: [input.lateral_force_x_m, 0.0, -input.lateral_force_height_m],
             moment_nm: [input.roll_torque_nm, 0.0, input.yaw_torque_nm],
-            ..self.input.without_rider()
-        }
-    }
-}
-
-impl Input<f64> {
-    /// The same wind, nothing else.
-    fn without_rider(&self) -> Self {
-        Self {
-            wind_m_s: self.wind_m_s,
-            ..Self::default()
+            trunk_torque_nm: [input.trunk_lean_torque_nm, 0.0, 0.0],
+            leg_torque_nm: input.leg_torque_nm,
+            wind_m_s: [input.wind_m_s[0], input.wind_m_s[1], 0.0],
+            rear_road_y_m_s: input.rear_road_y_m_s,
         }
     }
 }
@@ -236,6 +232,10 @@ impl Multibody {
             rear_load_n: contacts[0].load_n,
             front_slip_ratio: contacts[1].slip_ratio,
             rear_slip_ratio: contacts[0].slip_ratio,
+            trunk_lean_rad: x[TRUNK],
+            trunk_lean_rate_rad_s: x[TRUNK_RATE],
+            legs_rad: [x[LEGS], x[LEGS + 1]],
+            leg_rates_rad_s: [x[LEG_RATE], x[LEG_RATE + 1]],
             body_rates_rad_s: w,
             specific_force_m_s2: sub(sensed, gravity),
         }
