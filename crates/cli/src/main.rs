@@ -10,10 +10,12 @@ mod link_args;
 mod map;
 mod modes;
 mod processes;
+mod replay;
 mod ride;
 mod ride_report;
 mod soak;
 mod span;
+mod streams;
 mod torture;
 mod tyre;
 
@@ -32,6 +34,8 @@ struct Cli {
 enum Command {
     /// Ride a course twice, stabilizer off and on; logs, table and report
     Ride(ride::RideArgs),
+    /// What a ride's controller was told, told again: to the log, to the firmware in QEMU
+    Replay(replay::ReplayArgs),
     /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
     Modes(modes::ModesArgs),
     /// Stability of a multibody bicycle over speed and motor torque, and its picture
@@ -77,6 +81,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         cli.command,
         Command::Ride(_)
             | Command::Soak(_)
+            | Command::Replay(_)
             | Command::Torture(_)
             | Command::PlantProcess
             | Command::ControllerProcess
@@ -85,6 +90,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     }
     match cli.command {
         Command::Ride(args) => ride::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Tyre(args) => tyre::run(&args),
