@@ -3,8 +3,11 @@
 //! [`Firmware::tick`] is all that happens in a tick: [`twinhub_control::Controller::answer`], which a
 //! plant may also call in its own process, with the same bits. This crate never sees the plant.
 
+pub mod adversarial;
+pub mod cortex_m;
 mod law_file;
 mod loss;
+pub mod replay;
 mod run;
 mod summary;
 

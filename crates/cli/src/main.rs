@@ -11,12 +11,14 @@ mod map;
 mod modes;
 mod processes;
 mod registries;
+mod replay;
 mod ride;
 mod ride_report;
 mod rider;
 mod simulate;
 mod soak;
 mod span;
+mod streams;
 mod torture;
 mod tyre;
 
@@ -37,6 +39,8 @@ enum Command {
     Ride(ride::RideArgs),
     /// Riders: do they keep a bicycle up, and which would
     Rider(rider::RiderArgs),
+    /// What a ride's controller was told, told again: to the log, to the firmware in QEMU
+    Replay(replay::ReplayArgs),
     /// Eigenvalues over speed, weave and capsize speed, stable ranges, and their picture
     Modes(modes::ModesArgs),
     /// Stability of a multibody bicycle over speed and motor torque, and its picture
@@ -84,6 +88,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         cli.command,
         Command::Ride(_)
             | Command::Soak(_)
+            | Command::Replay(_)
             | Command::Torture(_)
             | Command::PlantProcess
             | Command::ControllerProcess
@@ -93,6 +98,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     match cli.command {
         Command::Ride(args) => ride::run(&args),
         Command::Rider(args) => rider::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Simulate(args) => simulate::run(&args),

@@ -3,14 +3,16 @@
 use crate::exit;
 use crate::link_args::{LinkArgs, Target};
 use crate::processes;
+use crate::streams::{self, Controller, CortexMArgs};
 use clap::Args;
+use firmware_sim::cortex_m::Cost;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use twinhub_link::{ControllerPort as _, Pacing, Rights, Timed, Timing, Waiting};
+use twinhub_link::{ControllerPort, InProcess, Pacing, Rights, Timed, Timing, Waiting};
 use twinhub_sim::{Ending, Outcome, Progress, Ride, RideError, Settings};
 
 /// Arguments of `twinhub ride`.
@@ -30,6 +32,15 @@ pub struct RideArgs {
     seed: Option<u64>,
     #[command(flatten)]
     link: LinkArgs,
+    #[command(flatten)]
+    cortex_m: CortexMArgs,
+    /// Ride with a controller of your own: a shell command that speaks the byte stream
+    /// (`crates/link/STREAM.md`) on its standard input and output. Lockstep only.
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["in_process", "target", "listen"])]
+    controller: Option<String>,
+    /// Ride with a controller of your own that joins on this new Unix socket. Lockstep only.
+    #[arg(long, value_name = "SOCKET", conflicts_with_all = ["in_process", "target"])]
+    listen: Option<PathBuf>,
     /// Directory for logs and reports; each ride gets a directory of its own in it.
     #[arg(long, default_value = "rides")]
     out: PathBuf,
@@ -46,6 +57,8 @@ pub struct Run {
     pub outcome: Outcome,
     /// How long the exchanges took.
     pub timing: Timing,
+    /// What the controller cost its target, where that counts.
+    pub cost: Option<Cost>,
 }
 
 /// Version and commit of this program.
@@ -70,21 +83,23 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
 
+    let controller = controller(args)?;
     let mut runs = Vec::new();
     for on in [false, true] {
         let ride = ride.with_stabilizer(on);
         let name = if on { "on" } else { "off" };
         let bar = progress_bar(ride.ticks(), name);
         let log = dir.join(format!("{name}.mcap"));
-        let done = match args.link.target() {
-            Target::Process => processes::ride(&ride, &log, &args.link, &stop, &bar),
-            Target::InProcess => in_process(&ride, &log, &args.link, &stop, &bar),
-            Target::CortexM => Err(exit::environment(anyhow::anyhow!(
-                "this build cannot start an emulated Cortex-M"
-            ))),
+        let done = match &controller {
+            Some(controller) => streams::ride(controller, &ride, &log, &args.link, &stop, &bar),
+            None if args.link.target() == Target::InProcess => {
+                let mut port = InProcess::new(twinhub_sim::in_process(&ride.law));
+                with_port(&ride, &log, &args.link, &stop, &bar, &mut port).map(without_cost)
+            }
+            None => processes::ride(&ride, &log, &args.link, &stop, &bar).map(without_cost),
         };
         bar.finish_and_clear();
-        let (outcome, timing) = done?;
+        let (outcome, timing, cost) = done?;
         if outcome.ending == Ending::Stopped {
             eprintln!(
                 "stopped after {:.1} s; the log is {}",
@@ -97,6 +112,7 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
             on,
             outcome,
             timing,
+            cost,
         });
     }
     let page = dir.join("report.html");
@@ -116,12 +132,37 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-fn in_process(
+/// Who answers over a byte stream, if anybody does.
+fn controller(args: &RideArgs) -> anyhow::Result<Option<Controller>> {
+    let over_a_stream =
+        args.controller.is_some() || args.listen.is_some() || args.link.target() == Target::CortexM;
+    if over_a_stream && args.link.pacing() == Pacing::RealTime {
+        let words = "a controller over a byte stream (cortex-m, --controller, --listen) rides with `--pacing lockstep`";
+        return Err(exit::bad_input(anyhow::anyhow!(words)));
+    }
+    Ok(match (&args.controller, &args.listen) {
+        (Some(command), _) => Some(Controller::Command(command.clone())),
+        (_, Some(path)) => Some(Controller::listen(path)?),
+        _ if over_a_stream => Some(Controller::CortexM(args.cortex_m.find()?)),
+        _ => None,
+    })
+}
+
+fn without_cost((outcome, timing): (Outcome, Timing)) -> (Outcome, Timing, Option<Cost>) {
+    (outcome, timing, None)
+}
+
+/// Rides in this process with the controller behind `port`.
+///
+/// # Errors
+/// As [`twinhub_sim::ride`].
+pub fn with_port(
     ride: &Ride,
     log: &Path,
     link: &LinkArgs,
     stop: &AtomicBool,
     bar: &ProgressBar,
+    port: &mut impl ControllerPort,
 ) -> anyhow::Result<(Outcome, Timing)> {
     let (version, git_hash) = program();
     let settings = Settings {
@@ -131,8 +172,7 @@ fn in_process(
     };
     let rights = (link.pacing() == Pacing::RealTime).then(Rights::acquire);
     let spin = link.waiting() == Waiting::Spin;
-    let controller = twinhub_link::InProcess::new(twinhub_sim::in_process(&ride.law));
-    let mut port = Timed::new(controller, link.pacing(), spin).with_rights(rights);
+    let mut port = Timed::new(port, link.pacing(), spin).with_rights(rights);
     let mut watch = |p: Progress| {
         if p.tick.is_multiple_of(500) {
             bar.set_position(p.tick);
@@ -203,6 +243,7 @@ fn as_json(runs: &[Run], page: &Path) -> serde_json::Value {
                 "digest": run.outcome.digest,
                 "timing": run.timing,
                 "log": run.outcome.log,
+                "cost": run.cost,
             })
         })
         .collect();

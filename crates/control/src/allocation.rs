@@ -22,6 +22,7 @@
 
 use twinhub_types::{Estimate, LimitedBy};
 
+use crate::bounded::Bounded as _;
 use crate::config::Config;
 use crate::guard::Request;
 use crate::law::Demand;
@@ -59,7 +60,7 @@ impl Envelope {
     pub fn new(config: &Config) -> Self {
         let bicycle = &config.bicycle;
         Self {
-            pair_max_nm: config.limits.torque_max_nm * (1.0 / bicycle.balance_ratio()).min(1.0),
+            pair_max_nm: config.limits.torque_max_nm * (1.0 / bicycle.balance_ratio()).at_most(1.0),
             friction_ratio: config.limits.friction_ratio(),
             front_load_n: bicycle.front_load_n,
             rear_load_n: bicycle.rear_load_n,
@@ -69,12 +70,12 @@ impl Envelope {
 
     /// The limits in state `x`, when the mode allows `share_ratio` of the largest pair.
     pub fn at(&self, x: &Estimate, share_ratio: f32) -> Bounds {
-        let lean_rad = (x.roll_rad.abs() + x.roll_sd_rad.min(ROLL_SD_MAX_RAD)).min(1.5);
+        let lean_rad = (x.roll_rad.abs() + x.roll_sd_rad.at_most(ROLL_SD_MAX_RAD)).at_most(1.5);
         let by_roll = libm::tanf(lean_rad);
         let by_yaw = (x.speed_m_s * x.yaw_rate_rad_s).abs() / 9.81;
-        let side_ratio = by_roll.max(by_yaw);
+        let side_ratio = by_roll.at_least(by_yaw);
         let left = self.friction_ratio * self.friction_ratio - side_ratio * side_ratio;
-        let left_ratio = libm::sqrtf(left.max(0.0));
+        let left_ratio = libm::sqrtf(left.at_least(0.0));
         Bounds {
             pair_max_nm: self.pair_max_nm * share_ratio,
             by_mode: share_ratio < 1.0,
@@ -105,7 +106,7 @@ impl Allocation {
     pub fn split(&self, demand: &Demand, bounds: &Bounds) -> Request {
         let (r_f, r_r) = (self.front_wheel_radius_m, self.rear_wheel_radius_m);
         let mut limited_by = LimitedBy::NONE;
-        let pair_nm = demand.pair_nm.max(0.0).min(bounds.pair_max_nm);
+        let pair_nm = demand.pair_nm.at_least(0.0).at_most(bounds.pair_max_nm);
         if demand.pair_nm > bounds.pair_max_nm {
             let limit = if bounds.by_mode {
                 LimitedBy::MODE
@@ -121,10 +122,12 @@ impl Allocation {
             0.0
         };
         // The pair's force may be no larger than either wheel carries beside the trim.
-        let front_n = bounds.front_force_n - bounds.transfer_ratio * wanted_n.max(0.0);
-        let rear_n = bounds.rear_force_n - wanted_n.max(0.0);
-        let ceiling_nm = front_n.min(rear_n).max(0.0) * r_f;
-        let trim_n = wanted_n.max(-bounds.rear_force_n).min(bounds.rear_force_n);
+        let front_n = bounds.front_force_n - bounds.transfer_ratio * wanted_n.at_least(0.0);
+        let rear_n = bounds.rear_force_n - wanted_n.at_least(0.0);
+        let ceiling_nm = front_n.at_most(rear_n).at_least(0.0) * r_f;
+        let trim_n = wanted_n
+            .at_least(-bounds.rear_force_n)
+            .at_most(bounds.rear_force_n);
         if pair_nm > ceiling_nm || trim_n != wanted_n {
             limited_by = limited_by.with(LimitedBy::FRICTION);
         }

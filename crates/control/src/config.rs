@@ -95,10 +95,7 @@ pub struct Limits {
     pub ramp_down_s: f32,
     /// Declared friction of the road, 0.05 to 1.2; leave it out where it is unknown, then 0.3
     /// holds.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub friction_assumed_ratio: Option<f32>,
 }
 

@@ -27,6 +27,7 @@
 
 use twinhub_types::{Estimate, ImuSample, NEVER_NS, RollSample, SteerSample};
 
+use crate::bounded::Bounded as _;
 use crate::clock::Tick;
 use crate::config::Bicycle;
 use crate::senses::{RATE_MAX_RAD_S, Seen, span_s, within};
@@ -117,14 +118,14 @@ impl Estimator {
     fn speed(&mut self, tick: &Tick, seen: &Seen) {
         let Some(wheels) = &seen.wheels else {
             let grown_m_s = self.x.speed_sd_m_s + SPEED_DRIFT_M_S2 * tick.debit_s;
-            self.x.speed_sd_m_s = grown_m_s.min(30.0);
+            self.x.speed_sd_m_s = grown_m_s.at_most(30.0);
             return;
         };
         let front_m_s = wheels.front_rad_s * self.front_wheel_radius_m;
         let rear_m_s = wheels.rear_rad_s * self.rear_wheel_radius_m;
-        let (low, high) = (front_m_s.min(rear_m_s), front_m_s.max(rear_m_s));
-        self.x.speed_m_s = wheels.speed_m_s.max(low).min(high);
-        let spread_m_s = high.max(wheels.speed_m_s) - low.min(wheels.speed_m_s);
+        let (low, high) = (front_m_s.at_most(rear_m_s), front_m_s.at_least(rear_m_s));
+        self.x.speed_m_s = wheels.speed_m_s.at_least(low).at_most(high);
+        let spread_m_s = high.at_least(wheels.speed_m_s) - low.at_most(wheels.speed_m_s);
         self.x.speed_sd_m_s = SPEED_SD_M_S + 0.5 * spread_m_s;
     }
 
@@ -157,7 +158,7 @@ impl Estimator {
             None => {
                 let turn = libm::tanf(self.x.steer_rad * self.steer_tilt_cos);
                 let rate_rad_s = self.x.speed_m_s * turn / self.wheelbase_m;
-                rate_rad_s.max(-RATE_MAX_RAD_S).min(RATE_MAX_RAD_S)
+                rate_rad_s.at_least(-RATE_MAX_RAD_S).at_most(RATE_MAX_RAD_S)
             }
         };
     }
@@ -213,7 +214,7 @@ impl Estimator {
         let h = v * ((q * cos - r * sin) * cos - yaw * sin) - GRAVITY_M_S2 * cos;
         let centripetal_sd = self.x.speed_sd_m_s * yaw;
         let density = ACCEL_DENSITY_M2_S3 + 0.2 * centripetal_sd * centripetal_sd;
-        self.correct(a_y - expected, h, density / dt.max(1e-4).min(0.02));
+        self.correct(a_y - expected, h, density / dt.at_least(1e-4).at_most(0.02));
     }
 
     /// Once per new sample.
@@ -246,12 +247,15 @@ impl Estimator {
             (self.p11, self.p12, self.p22) =
                 (ROLL_VARIANCE_MAX_RAD2, 0.0, BIAS_VARIANCE_MAX_RAD2_S2);
         }
-        self.x.roll_rad = self.x.roll_rad.max(-3.2).min(3.2);
-        self.bias_rad_s = self.bias_rad_s.max(-BIAS_MAX_RAD_S).min(BIAS_MAX_RAD_S);
-        self.p11 = self.p11.max(1e-8).min(ROLL_VARIANCE_MAX_RAD2);
-        self.p22 = self.p22.max(1e-10).min(BIAS_VARIANCE_MAX_RAD2_S2);
+        self.x.roll_rad = self.x.roll_rad.at_least(-3.2).at_most(3.2);
+        self.bias_rad_s = self
+            .bias_rad_s
+            .at_least(-BIAS_MAX_RAD_S)
+            .at_most(BIAS_MAX_RAD_S);
+        self.p11 = self.p11.at_least(1e-8).at_most(ROLL_VARIANCE_MAX_RAD2);
+        self.p22 = self.p22.at_least(1e-10).at_most(BIAS_VARIANCE_MAX_RAD2_S2);
         let most = libm::sqrtf(self.p11 * self.p22);
-        self.p12 = self.p12.max(-most).min(most);
+        self.p12 = self.p12.at_least(-most).at_most(most);
     }
 }
 
@@ -281,8 +285,8 @@ impl Difference {
         }
         self.rate_rad_s = match span_s(self.stamp_ns, stamp_ns) {
             Some(span_s) if span_s <= 0.05 => {
-                let raw_rad_s = (angle_rad - self.angle_rad) / span_s.max(1e-4);
-                let raw_rad_s = raw_rad_s.max(-RATE_MAX_RAD_S).min(RATE_MAX_RAD_S);
+                let raw_rad_s = (angle_rad - self.angle_rad) / span_s.at_least(1e-4);
+                let raw_rad_s = raw_rad_s.at_least(-RATE_MAX_RAD_S).at_most(RATE_MAX_RAD_S);
                 let share = span_s / (span_s + DIFFERENCE_TAU_S);
                 self.rate_rad_s + share * (raw_rad_s - self.rate_rad_s)
             }

@@ -14,6 +14,7 @@
 
 use twinhub_types::{Command, Instant, LimitedBy, Measurement, Mode, RiderIntent};
 
+use crate::bounded::Bounded as _;
 use crate::clock::{Clock, Tick};
 use crate::config::{ASSIST_SPEED_MAX_M_S, Config, Profile};
 use crate::senses;
@@ -87,7 +88,7 @@ impl GuardLimits {
         }
         let profile: Profile = config.profile;
         Self {
-            torque_max_nm: config.limits.torque_max_nm.min(profile.torque_max_nm()),
+            torque_max_nm: config.limits.torque_max_nm.at_most(profile.torque_max_nm()),
             ramp_up_nm_s: config.limits.ramp_up_nm_s,
             ramp_down_s: config.limits.ramp_down_s,
             power_average_max_w: profile.power_average_max_w(),
@@ -188,9 +189,13 @@ impl Guard {
         };
         let pair_nm = self.slew_pair(&tick, wanted_nm, ramp_s);
         let ceiling_nm = self.ceiling_nm(pair_nm, request, wheels.as_ref());
-        self.pair_nm = if cut { 0.0 } else { pair_nm.min(ceiling_nm) };
+        self.pair_nm = if cut {
+            0.0
+        } else {
+            pair_nm.at_most(ceiling_nm)
+        };
         self.onset_nm = if self.pair_nm > 0.0 {
-            self.onset_nm.max(self.pair_nm)
+            self.onset_nm.at_least(self.pair_nm)
         } else {
             0.0
         };
@@ -211,8 +216,8 @@ impl Guard {
 
         let command = self.command(wheels.as_ref());
         let (front_rad_s, rear_rad_s) = self.rates_rad_s();
-        self.power_w =
-            (command.front_brake_nm * front_rad_s).max(command.rear_traction_nm.abs() * rear_rad_s);
+        self.power_w = (command.front_brake_nm * front_rad_s)
+            .at_least(command.rear_traction_nm.abs() * rear_rad_s);
         command
     }
 
@@ -246,7 +251,7 @@ impl Guard {
         // However old the reading: a lever that was pulled is believed.
         let lever = rider.front_brake_ratio > LEVER_THRESHOLD_RATIO
             || rider.rear_brake_ratio > LEVER_THRESHOLD_RATIO;
-        self.slip_hold_s = (self.slip_hold_s - tick.credit_s).max(0.0);
+        self.slip_hold_s = (self.slip_hold_s - tick.credit_s).at_least(0.0);
         if wheels.is_some_and(Wheels::slip) {
             self.slip_hold_s = SLIP_HOLD_S;
         }
@@ -266,10 +271,11 @@ impl Guard {
         let most_nm = self
             .limits
             .torque_max_nm
-            .min(self.limits.torque_max_nm / ratio);
+            .at_most(self.limits.torque_max_nm / ratio);
         self.say(LimitedBy::MAGNITUDE, request.pair_nm > most_nm);
         let (front_rad_s, rear_rad_s) = self.rates_rad_s();
-        let power_nm = self.power_left_w() / front_rad_s.max(rear_rad_s * ratio).max(1e-3);
+        let power_nm =
+            self.power_left_w() / front_rad_s.at_least(rear_rad_s * ratio).at_least(1e-3);
         self.say(LimitedBy::POWER, pair_nm > power_nm);
         // A ceiling that is no number is none that can be trusted.
         let carried_nm = if request.pair_ceiling_nm > 0.0 {
@@ -278,13 +284,13 @@ impl Guard {
             0.0
         };
         self.say(LimitedBy::FRICTION, pair_nm > carried_nm);
-        most_nm.min(power_nm).min(carried_nm)
+        most_nm.at_most(power_nm).at_most(carried_nm)
     }
 
     /// Heat so far: a first-order low pass of the power that went out.
     fn average_power(&mut self, tick: &Tick) {
         // No longer step than the one for which the limit of `power_left_w` still holds.
-        let share = (tick.debit_s / THERMAL_TAU_S).min(1.0 / (1.0 + PEAK_GAIN));
+        let share = (tick.debit_s / THERMAL_TAU_S).at_most(1.0 / (1.0 + PEAK_GAIN));
         self.power_average_w += (self.power_w - self.power_average_w) * share;
     }
 
@@ -293,7 +299,7 @@ impl Guard {
         self.limits
             .power_average_max_w
             .map_or(f32::INFINITY, |most_w| {
-                (most_w + PEAK_GAIN * (most_w - self.power_average_w)).max(0.0)
+                (most_w + PEAK_GAIN * (most_w - self.power_average_w)).at_least(0.0)
             })
     }
 
@@ -314,28 +320,28 @@ impl Guard {
             self.onset_nm = self.pair_nm;
             let up_nm = self.pair_nm + self.limits.ramp_up_nm_s * tick.credit_s;
             self.say(LimitedBy::RAMP, wanted_nm > up_nm);
-            return wanted_nm.min(up_nm);
+            return wanted_nm.at_most(up_nm);
         }
-        let down_nm = self.pair_nm - self.onset_nm.max(1.0) * tick.debit_s / ramp_s;
+        let down_nm = self.pair_nm - self.onset_nm.at_least(1.0) * tick.debit_s / ramp_s;
         self.say(LimitedBy::RAMP, down_nm > wanted_nm);
-        wanted_nm.max(down_nm).max(0.0)
+        wanted_nm.at_least(down_nm).at_least(0.0)
     }
 
     /// The trim one tick on: the ramp up both ways, faster out when the ramp down is; no drive
     /// where there must be none, at once.
     fn slew_trim(&mut self, tick: &Tick, wanted_nm: f32, ramp_s: f32, drive: bool) -> f32 {
         let most_nm = self.limits.torque_max_nm;
-        let wanted_nm = wanted_nm.max(-most_nm).min(most_nm);
+        let wanted_nm = wanted_nm.at_least(-most_nm).at_most(most_nm);
         let away_nm = self.limits.ramp_up_nm_s * tick.credit_s;
-        let back_nm = away_nm.max(most_nm * tick.debit_s / ramp_s);
+        let back_nm = away_nm.at_least(most_nm * tick.debit_s / ramp_s);
         // Back ends at zero; beyond it, away begins.
         let lowest_nm = (self.trim_nm - back_nm)
-            .max(0.0)
-            .min(self.trim_nm - away_nm);
+            .at_least(0.0)
+            .at_most(self.trim_nm - away_nm);
         let highest_nm = (self.trim_nm + back_nm)
-            .min(0.0)
-            .max(self.trim_nm + away_nm);
-        let trim_nm = wanted_nm.max(lowest_nm).min(highest_nm);
+            .at_most(0.0)
+            .at_least(self.trim_nm + away_nm);
+        let trim_nm = wanted_nm.at_least(lowest_nm).at_most(highest_nm);
         if drive || trim_nm <= 0.0 {
             return trim_nm;
         }
@@ -347,10 +353,12 @@ impl Guard {
     fn command(&mut self, wheels: Option<&Wheels>) -> Command {
         let most_nm = self.limits.torque_max_nm;
         let balance_nm = self.pair_nm * self.balance_ratio();
-        let mut rear_nm = (balance_nm + self.trim_nm).max(-most_nm).min(most_nm);
+        let mut rear_nm = (balance_nm + self.trim_nm)
+            .at_least(-most_nm)
+            .at_most(most_nm);
         let (_, rear_rad_s) = self.rates_rad_s();
-        let power_nm = self.power_left_w() / rear_rad_s.max(1e-3);
-        rear_nm = rear_nm.max(-power_nm).min(power_nm);
+        let power_nm = self.power_left_w() / rear_rad_s.at_least(1e-3);
+        rear_nm = rear_nm.at_least(-power_nm).at_most(power_nm);
         let rolls = wheels.is_some_and(|wheels| wheels.rear_m_s >= STANDSTILL_M_S);
         if rear_nm < 0.0 && !rolls {
             self.say(LimitedBy::STANDSTILL, true);
@@ -378,7 +386,9 @@ impl Guard {
 
 impl Wheels {
     fn fastest_m_s(&self) -> f32 {
-        self.front_m_s.max(self.rear_m_s).max(self.speed_m_s)
+        self.front_m_s
+            .at_least(self.rear_m_s)
+            .at_least(self.speed_m_s)
     }
 
     /// True if the front wheel lags behind the bicycle or the rear wheel leads it.

@@ -2,6 +2,7 @@
 
 use twinhub_types::Estimate;
 
+use crate::bounded::Bounded as _;
 use crate::config::{ConfigError, Profile, in_range};
 use crate::schedule::Schedule;
 
@@ -62,10 +63,7 @@ pub struct Constant {
     /// Magnitude of the pair, Nm, 0 to the profile's largest torque.
     pub pair_nm: f32,
     /// Speed trim; none if left out.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub trim: Option<SpeedTrim>,
 }
 
@@ -104,10 +102,7 @@ pub struct Scheduled {
     /// The table.
     pub points: Schedule,
     /// Speed trim; none if left out.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub trim: Option<SpeedTrim>,
 }
 
@@ -115,11 +110,11 @@ impl Mechanism for Scheduled {
     fn demand(&self, last: &Demand, x: &Estimate, dt_s: f32) -> Demand {
         let left =
             (self.fade_end_rad - x.roll_rad.abs()) / (self.fade_end_rad - self.fade_start_rad);
-        let target_nm = self.points.pair_nm(x.speed_m_s) * left.max(0.0).min(1.0);
+        let target_nm = self.points.pair_nm(x.speed_m_s) * left.at_least(0.0).at_most(1.0);
         let most_nm = self.change_nm_s * dt_s;
         let pair_nm = target_nm
-            .max(last.pair_nm - most_nm)
-            .min(last.pair_nm + most_nm);
+            .at_least(last.pair_nm - most_nm)
+            .at_most(last.pair_nm + most_nm);
         Demand {
             pair_nm,
             trim_nm: trim_nm(&self.trim, x),
@@ -176,7 +171,9 @@ impl SpeedTrim {
 fn trim_nm(trim: &Option<SpeedTrim>, x: &Estimate) -> f32 {
     trim.map_or(0.0, |trim| {
         let wanted_nm = trim.gain_nm_s_m * (trim.target_m_s - x.speed_m_s);
-        wanted_nm.max(-trim.largest_nm).min(trim.largest_nm)
+        wanted_nm
+            .at_least(-trim.largest_nm)
+            .at_most(trim.largest_nm)
     })
 }
 

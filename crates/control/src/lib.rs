@@ -1,9 +1,5 @@
 #![no_std]
 #![forbid(unsafe_code)]
-#![allow(
-    clippy::manual_clamp,
-    reason = "`f32::clamp` can panic; `max` and `min` also drop NaN"
-)]
 //! The stabilizer: from what the bicycle's sensors say to the torques of its two hub motors,
 //! once per tick. `no_std`, no allocation, no clock of its own, no panic, `f32`.
 //!
@@ -30,6 +26,7 @@
 extern crate std;
 
 pub mod allocation;
+mod bounded;
 pub mod clock;
 pub mod config;
 pub mod estimator;

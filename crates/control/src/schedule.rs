@@ -1,5 +1,6 @@
 //! A table of the pair's magnitude over speed.
 
+use crate::bounded::Bounded as _;
 use crate::config::ConfigError;
 
 /// Most points that a schedule holds.
@@ -70,7 +71,7 @@ impl Schedule {
     pub fn largest_nm(&self) -> f32 {
         self.points()
             .iter()
-            .fold(0.0, |most, point| point.pair_nm.max(most))
+            .fold(0.0, |most, point| point.pair_nm.at_least(most))
     }
 
     /// The rule that this table breaks, if any.

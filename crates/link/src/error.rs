@@ -79,6 +79,24 @@ pub enum LinkError {
         /// The value that the protocol asks for.
         expected: u64,
     },
+    /// A controller at the end of a byte stream that does not say hello.
+    #[error("{who}: no controller said hello within {waited_s:.1} s")]
+    Silent {
+        /// The command, or the socket.
+        who: String,
+        /// How long was waited, s.
+        waited_s: f64,
+    },
+    /// Bytes that are no packet, or a packet that is no message.
+    #[error("the controller ({who}) broke the byte stream at tick {tick}: {detail}")]
+    BrokenStream {
+        /// The command, or the socket.
+        who: String,
+        /// The tick that was waited for.
+        tick: u64,
+        /// What was found, and what was expected.
+        detail: String,
+    },
     /// A name that no ride can have.
     #[error(
         "`{name}` cannot be the name of a ride: 1 to 40 characters out of a-z, A-Z, 0-9, `_` and `-`"

@@ -1,7 +1,8 @@
 //! The link between plant and controller: one frame each way and tick.
 //!
 //! * [`ControllerPort`] is the controller as the plant sees it. A ride does not know what stands
-//!   behind it: [`InProcess`] calls a closure, [`ipc::PlantEnd`] talks to another process.
+//!   behind it: [`InProcess`] calls a closure, [`ipc::PlantEnd`] talks to another process over
+//!   shared memory, [`stream::StreamEnd`] to whatever speaks the byte stream.
 //!   [`Timed`] wraps any of them, paces it and measures it.
 //! * [`pacing`] says when a tick begins, in lockstep and in real time, and what a late one means.
 //! * [`protocol`] is the one place that says what goes over the link, in what order, and what
@@ -27,8 +28,10 @@ pub mod protocol;
 pub mod ride;
 mod rights;
 mod shm;
+pub mod stream;
 pub mod timing;
 mod wait;
+pub mod wires;
 
 pub use account::{Account, ControllerTiming};
 pub use error::LinkError;

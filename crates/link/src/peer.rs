@@ -37,8 +37,7 @@ impl Peer {
         if uid != own {
             return Err(LinkError::OtherUser { pid, uid, own });
         }
-        let pidfd = rustix::process::pidfd_open(who.pid, rustix::process::PidfdFlags::empty())
-            .map_err(|_| LinkError::PeerDied { pid, tick: 0 })?;
+        let pidfd = pidfd(pid)?;
         socket
             .set_nonblocking(true)
             .map_err(|e| LinkError::os("preparing the socket", e))?;
@@ -100,6 +99,15 @@ impl Peer {
     pub(crate) fn half_close(&self) {
         let _ = self.socket.shutdown(std::net::Shutdown::Write);
     }
+}
+
+/// A descriptor that becomes readable when process `pid` dies.
+pub(crate) fn pidfd(pid: u32) -> Result<OwnedFd, LinkError> {
+    let dead = LinkError::PeerDied { pid, tick: 0 };
+    let Some(pid) = rustix::process::Pid::from_raw(pid as i32) else {
+        return Err(dead);
+    };
+    rustix::process::pidfd_open(pid, rustix::process::PidfdFlags::empty()).map_err(|_| dead)
 }
 
 /// True if `fd` becomes readable (or broken) within `limit`.

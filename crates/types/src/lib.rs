@@ -7,6 +7,7 @@ pub mod conventions;
 pub mod health;
 pub mod messages;
 mod registry;
+pub mod stream;
 pub mod time;
 pub mod wire;
 
