@@ -3,6 +3,8 @@
 mod bicycle;
 mod catalogue;
 mod compare;
+mod diagnose;
+mod diagnose_page;
 mod exit;
 mod modes;
 mod processes;
@@ -29,6 +31,8 @@ enum Command {
     Modes(modes::ModesArgs),
     /// Measured rides against the model: how wrong it is, and where
     Compare(compare::CompareArgs),
+    /// What the model gets wrong about measured rides, why, and what mending it gains
+    Diagnose(diagnose::DiagnoseArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
@@ -70,6 +74,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

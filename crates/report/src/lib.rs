@@ -9,6 +9,7 @@
 pub mod axis;
 pub mod chart;
 pub mod compare;
+pub mod diagnose;
 pub mod line;
 pub mod modes_picture;
 pub mod page;

@@ -1,0 +1,21 @@
+//! Which cause: baseline, tests, refits, decision on held-out rides.
+
+pub mod answer;
+mod decide;
+mod faults;
+mod fitting;
+mod gain;
+mod greedy;
+mod limits;
+mod locate;
+pub mod pictures;
+mod probe;
+mod refit;
+mod run;
+mod score;
+mod testable;
+pub mod thresholds;
+mod words;
+
+pub use answer::{Answer, Verdict};
+pub use run::{DiagnoseError, Options, diagnose, diagnose_data, diagnose_in};
