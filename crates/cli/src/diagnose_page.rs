@@ -91,7 +91,12 @@ pub fn page(answer: &Answer) -> DiagnosePage {
             .flat_map(|cause| {
                 cause.parameters.iter().map(|(name, v)| CauseRow {
                     mechanism: cause.mechanism.clone(),
-                    state: if cause.confirmed { "confirmed" } else { "provisional" }.to_owned(),
+                    state: if cause.confirmed {
+                        "confirmed"
+                    } else {
+                        "provisional"
+                    }
+                    .to_owned(),
                     parameter: name.clone(),
                     value: v.value,
                     ci95: v.ci95,

@@ -6,6 +6,7 @@ mod compare;
 mod diagnose;
 mod diagnose_page;
 mod exit;
+mod experiment;
 mod modes;
 mod processes;
 mod ride;
@@ -33,6 +34,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// What the model gets wrong about measured rides, why, and what mending it gains
     Diagnose(diagnose::DiagnoseArgs),
+    /// What rides like these could show, and what they could not tell apart
+    Experiment(experiment::ExperimentArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
@@ -75,6 +78,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
+        Command::Experiment(args) => experiment::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

@@ -10,6 +10,6 @@ pub mod engine;
 pub mod search;
 pub mod study;
 
-pub use twinhub_mechanism::{Quantity, quantity};
 pub use search::{Answer, DiagnoseError, Options, Verdict, diagnose, diagnose_in};
 pub use study::{Study, StudyError};
+pub use twinhub_mechanism::{Quantity, quantity};

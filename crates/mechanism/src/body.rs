@@ -199,7 +199,8 @@ impl Body {
 
     /// K of all with the motors' part.
     pub fn stiffness(&self, speed_m_s: f64, pair: MotorPair) -> Matrix2<f64> {
-        let bare = self.canonical.stiffness(0.0, pair) - self.canonical.k0() * self.gravity_m_s2;
+        let bare =
+            self.canonical.stiffness(0.0, pair) - self.canonical.stiffness(0.0, MotorPair::OFF);
         let [k0, k1, k2] = self.terms.stiffness;
         k0 + (k1 + k2 * speed_m_s) * speed_m_s + bare
     }

@@ -1,184 +1,157 @@
-//! The extended plant: a bicycle with the mechanisms that a diagnosis accepted, as a file that every
-//! command takes where it takes a bicycle.
+//! The extended plant: a bicycle with the causes that a diagnosis accepted, as a bicycle file that
+//! every command takes.
+//!
+//! What mechanisms change in parameters and matrices is put into the bicycle itself, so that modes,
+//! designs and certificates have it. What pushes besides (friction, lag, wind, pedals) is named in
+//! the file and acts in rides.
 
 use crate::body::Body;
 use crate::hooks::Mechanism;
-use crate::registry::{find, names};
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use twinhub_linear::{Bicycle, BicycleError, Parameters};
+use crate::registry::find;
+use nalgebra::Matrix2;
+use twinhub_linear::{Added, Bicycle, BicycleError, MotorPair, NamedMechanism};
 
-/// A value with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Estimate {
-    pub value: f64,
-    /// One standard deviation; absent where only a bound is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sd: Option<f64>,
-}
-
-/// One accepted mechanism.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// One accepted cause.
+#[derive(Clone, Debug)]
 pub struct Accepted {
-    pub name: String,
-    /// Whether the residual in its equation became clean.
+    pub mechanism: &'static dyn Mechanism,
     pub confirmed: bool,
-    pub parameters: BTreeMap<String, Estimate>,
+    /// In the order of the card.
+    pub p: Vec<f64>,
+    /// One standard deviation each; not a number where unknown.
+    pub sd: Vec<f64>,
 }
 
-/// The file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ExtendedPlant {
-    pub schema_version: u32,
-    /// Says what kind of file this is: `extended_plant`.
-    pub kind: String,
-    pub name: String,
-    /// Study, rides and their hashes, tool and thresholds.
-    pub provenance: String,
-    /// Calibrated parameters of the benchmark bicycle, by the symbols of Meijaard et al. (2007).
-    pub parameters: Parameters,
-    #[serde(default)]
-    pub mechanism: Vec<Accepted>,
-    /// Covariance of all mechanism parameters, in the order of the list, row by row.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub covariance: Vec<Vec<f64>>,
+/// The bicycle with its causes; `base` is the calibrated one without them.
+pub fn extended(
+    base: &Bicycle,
+    name: &str,
+    source: &str,
+    causes: &[Accepted],
+) -> Result<Bicycle, BicycleError> {
+    let list: Vec<(&'static dyn Mechanism, &[f64])> = causes
+        .iter()
+        .map(|c| (c.mechanism, c.p.as_slice()))
+        .collect();
+    let body = Body::with(base, &list)?;
+    let rigid = Bicycle {
+        added: Added::NONE,
+        parameters: body.parameters,
+        ..base.clone()
+    };
+    let rigid = Body::new(&rigid)?;
+    let rows = |m: Matrix2<f64>| [[m[(0, 0)], m[(0, 1)]], [m[(1, 0)], m[(1, 1)]]];
+    let mut bicycle = Bicycle::new(name, source, body.parameters)?;
+    bicycle.added = Added {
+        mass_kg_m2: rows(body.terms.mass - rigid.terms.mass),
+        damping_nms_rad: rows(body.damping(0.0) - rigid.damping(0.0)),
+        stiffness_nm_rad: rows(
+            body.stiffness(0.0, MotorPair::OFF) - rigid.stiffness(0.0, MotorPair::OFF),
+        ),
+    };
+    bicycle.standard_deviations = base.standard_deviations.clone();
+    bicycle.mechanisms = base.mechanisms.clone();
+    for cause in causes {
+        let card = cause.mechanism.card();
+        let named = |values: &[f64]| {
+            let pairs = card.parameters.iter().zip(values);
+            pairs
+                .filter(|(_, x)| x.is_finite())
+                .map(|(p, x)| (p.name.to_owned(), *x))
+                .collect()
+        };
+        bicycle.mechanisms.push(NamedMechanism {
+            name: card.name.to_owned(),
+            confirmed: cause.confirmed,
+            parameters: named(&cause.p),
+            standard_deviations: named(&cause.sd),
+        });
+    }
+    Ok(bicycle)
 }
 
-/// Why an extended plant cannot be used.
+/// Why the causes named in a bicycle file cannot act in a ride.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum ExtendedError {
-    #[error("cannot read {}: {source}", path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
-    #[error("{}: {message}", path.display())]
-    Toml { path: PathBuf, message: String },
-    #[error("{}: found {found}; accepted: {accepted}", path.display())]
+    #[error("bicycle {bicycle}: found {found}; accepted: {accepted}")]
     Value {
-        path: PathBuf,
+        bicycle: String,
         found: String,
         accepted: String,
     },
-    #[error("{}: {source}", path.display())]
-    Bicycle {
-        path: PathBuf,
-        source: Box<BicycleError>,
-    },
 }
 
-/// The word of `kind`.
-pub const KIND: &str = "extended_plant";
-
-impl ExtendedPlant {
-    /// Whether a text is an extended plant, by its `kind`.
-    pub fn is_one(text: &str) -> bool {
-        toml::from_str::<toml::Table>(text)
-            .is_ok_and(|t| t.get("kind").and_then(toml::Value::as_str) == Some(KIND))
-    }
-
-    /// Reads and checks a file.
-    pub fn read(path: &Path) -> Result<Self, ExtendedError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ExtendedError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::parse(&text, path)
-    }
-
-    /// Parses and checks a text; `path` is for errors.
-    pub fn parse(text: &str, path: &Path) -> Result<Self, ExtendedError> {
-        let plant: Self = toml::from_str(text).map_err(|e| ExtendedError::Toml {
-            path: path.to_owned(),
-            message: e.to_string().trim_end().to_owned(),
-        })?;
-        let refuse = |found: String, accepted: String| {
-            Err(ExtendedError::Value {
-                path: path.to_owned(),
-                found,
-                accepted,
-            })
+/// The causes of a bicycle that push during a ride, with their parameters.
+pub fn pushing(
+    bicycle: &Bicycle,
+) -> Result<Vec<(&'static dyn Mechanism, Vec<f64>)>, ExtendedError> {
+    let mut all = vec![];
+    for named in &bicycle.mechanisms {
+        let refuse = |found: String, accepted: String| ExtendedError::Value {
+            bicycle: bicycle.name.clone(),
+            found,
+            accepted,
         };
-        if plant.schema_version != 1 || plant.kind != KIND {
-            return refuse(
-                format!(
-                    "schema_version = {}, kind = \"{}\"",
-                    plant.schema_version, plant.kind
-                ),
-                format!("schema_version = 1, kind = \"{KIND}\""),
-            );
-        }
-        for accepted in &plant.mechanism {
-            let Some(mechanism) = find(&accepted.name) else {
-                return refuse(
-                    format!("mechanism `{}`", accepted.name),
-                    names().collect::<Vec<_>>().join(", "),
-                );
+        let Some(mechanism) = find(&named.name) else {
+            let names: Vec<&str> = crate::registry::names().collect();
+            return Err(refuse(
+                format!("mechanism `{}`", named.name),
+                names.join(", "),
+            ));
+        };
+        let card = mechanism.card();
+        let mut p = mechanism.null(&bicycle.parameters);
+        for (name, value) in &named.parameters {
+            let Some(index) = card.parameters.iter().position(|q| q.name == name) else {
+                let names: Vec<&str> = card.parameters.iter().map(|q| q.name).collect();
+                return Err(refuse(format!("{}.{name}", named.name), names.join(", ")));
             };
-            let card = mechanism.card();
-            for (name, estimate) in &accepted.parameters {
-                let param = card.parameters.iter().find(|p| p.name == name);
-                match param {
-                    None => {
-                        let all: Vec<&str> = card.parameters.iter().map(|p| p.name).collect();
-                        return refuse(format!("{}.{name}", accepted.name), all.join(", "));
-                    }
-                    Some(p) if !(p.least..=p.most).contains(&estimate.value) => {
-                        return refuse(
-                            format!("{}.{name} = {}", accepted.name, estimate.value),
-                            format!("{} to {}", p.least, p.most),
-                        );
-                    }
-                    Some(_) => {}
-                }
+            let range = card.parameters[index].least..=card.parameters[index].most;
+            if !range.contains(value) {
+                return Err(refuse(
+                    format!("{}.{name} = {value}", named.name),
+                    format!("{} to {}", range.start(), range.end()),
+                ));
             }
+            p[index] = *value;
         }
-        plant.body().map_err(|source| ExtendedError::Bicycle {
-            path: path.to_owned(),
-            source: Box::new(source),
-        })?;
-        Ok(plant)
+        if mechanism.pushes() {
+            all.push((mechanism, p));
+        }
     }
+    Ok(all)
+}
 
-    /// The text of the file.
-    pub fn to_toml(&self) -> String {
-        toml::to_string(self).unwrap_or_default()
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
 
-    /// The bicycle without its mechanisms.
-    pub fn bicycle(&self) -> Result<Bicycle, BicycleError> {
-        Bicycle::new(&self.name, &self.provenance, self.parameters)
-    }
-
-    /// Its mechanisms with their parameters in the order of their cards.
-    pub fn mechanisms(&self) -> Vec<(&'static dyn Mechanism, Vec<f64>)> {
-        let known = self
-            .mechanism
-            .iter()
-            .filter_map(|a| Some((find(&a.name)?, a)));
-        known
-            .map(|(mechanism, accepted)| {
-                let mut p = mechanism.null(&self.parameters);
-                for (value, param) in p.iter_mut().zip(mechanism.card().parameters) {
-                    if let Some(estimate) = accepted.parameters.get(param.name) {
-                        *value = estimate.value;
-                    }
-                }
-                (mechanism, p)
-            })
-            .collect()
-    }
-
-    /// The bicycle with what its mechanisms change in parameters and matrices.
-    pub fn body(&self) -> Result<Body, BicycleError> {
-        let mechanisms = self.mechanisms();
-        let list: Vec<(&'static dyn Mechanism, &[f64])> =
-            mechanisms.iter().map(|(m, p)| (*m, p.as_slice())).collect();
-        Body::with(&self.bicycle()?, &list)
+    #[test]
+    fn file_keeps_everything() {
+        let base = Bicycle::load("meijaard2007_benchmark").unwrap();
+        let cause = |name: &str, p: Vec<f64>| Accepted {
+            mechanism: find(name).unwrap(),
+            confirmed: true,
+            sd: p.iter().map(|x| 0.1 * x).collect(),
+            p,
+        };
+        let causes = [
+            cause("steer_damping", vec![0.7]),
+            cause("arm_inertia", vec![0.1]),
+            cause("payload", vec![5.0, 0.1, -0.8]),
+            cause("steer_coulomb_friction", vec![0.3]),
+        ];
+        let bicycle = extended(&base, "longer", "a test", &causes).unwrap();
+        let again = Bicycle::from_toml(&bicycle.to_toml(), Path::new("x.toml")).unwrap();
+        assert_eq!(again.parameters, bicycle.parameters);
+        assert_eq!(again.added, bicycle.added);
+        assert_eq!(again.mechanisms, bicycle.mechanisms);
+        assert!((again.added.damping_nms_rad[1][1] - 0.7).abs() < 1e-12);
+        assert!((again.parameters.mB - base.parameters.mB - 5.0).abs() < 1e-12);
+        let pushing = pushing(&again).unwrap();
+        assert_eq!(pushing.len(), 1);
+        assert_eq!(pushing[0].1, [0.3]);
     }
 }

@@ -87,7 +87,9 @@ pub fn diagnose_page(data: &DiagnosePage) -> String {
     }
     if !data.traces.is_empty() {
         page.section("Measured against simulated");
-        page.note("Each run starts from what was known half a second before; worst held-out stretch.");
+        page.note(
+            "Each run starts from what was known half a second before; worst held-out stretch.",
+        );
         page.picture(&traces(&data.traces));
     }
     if !data.spectra.is_empty() {

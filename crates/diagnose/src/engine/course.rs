@@ -67,9 +67,8 @@ struct Truth {
 
 impl Truth {
     fn new(ride: &Ride, setup: &Setup) -> Self {
-        let both = |signal: &Option<Signal>, model: &InputModel| {
-            signal.as_ref().map(|s| shaped(s, model))
-        };
+        let both =
+            |signal: &Option<Signal>, model: &InputModel| signal.as_ref().map(|s| shaped(s, model));
         Self {
             drives: ride
                 .drives
@@ -84,6 +83,8 @@ impl Truth {
     }
 
     fn ends(&self, ride: &Ride, from_s: f64, dt_s: f64) -> (Ends, Ends) {
+        // Past the sample that stands there, however its time was rounded.
+        let from_s = from_s + 2.0 * SAME_TIME_S;
         let mut pair = [Ends {
             drive: [0.0; MOST_DRIVES],
             brake_nm: 0.0,
@@ -121,10 +122,7 @@ impl Truth {
             let middle = from_s + 0.5 * dt_s;
             let times = speed.times_s();
             let (first, last) = (times[0], times[times.len() - 1]);
-            let (a, b) = (
-                (middle - SLOPE_S).max(first),
-                (middle + SLOPE_S).min(last),
-            );
+            let (a, b) = ((middle - SLOPE_S).max(first), (middle + SLOPE_S).min(last));
             if b > a {
                 let slope = (speed.at(b).0 - speed.at(a).0) / (b - a);
                 pair[0].accel_m_s2 = slope;
@@ -146,7 +144,11 @@ fn shaped(signal: &Signal, model: &InputModel) -> Signal {
         .iter()
         .map(|&t| {
             let raw = signal.at(t).0;
-            let value = if raw == 0.0 { model.idle_drag } else { model.gain * raw };
+            let value = if raw == 0.0 {
+                model.idle_drag
+            } else {
+                model.gain * raw
+            };
             (
                 t + model.delay_s,
                 (value + model.offset).clamp(-limit, limit),
@@ -293,7 +295,11 @@ mod tests {
             }
             let out = lagged(&values, 0.1, hold);
             let expected = 2.0 * (1.0 - libm::exp(-5.0));
-            assert!((out[100].1 - expected).abs() < 0.01, "{hold:?} {}", out[100].1);
+            assert!(
+                (out[100].1 - expected).abs() < 0.01,
+                "{hold:?} {}",
+                out[100].1
+            );
         }
     }
 }

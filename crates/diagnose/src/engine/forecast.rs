@@ -5,7 +5,7 @@ use super::lateral;
 use super::pass::{Pass, Prepared};
 use super::setup::{Model, Setup};
 use super::speed;
-use crate::compare::{HORIZONS_S, RESTART_S};
+use crate::compare::{HORIZONS_S, MAIN_HORIZON, RESTART_S};
 use std::collections::BTreeMap;
 use twinhub_ident::forecast::Score;
 
@@ -34,12 +34,28 @@ impl Scores {
     }
 }
 
-/// Scores of a model over rides, by channel; none if the model cannot be.
-pub fn forecast(rides: &[Prepared], model: &Model) -> Option<BTreeMap<String, Scores>> {
+/// One channel of one ride, predicted up to the middle horizon ahead.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    pub ride: usize,
+    pub quantity: String,
+    /// Time, reading, prediction.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// Scores by channel, and traces.
+pub struct Forecast {
+    pub scores: BTreeMap<String, Scores>,
+    pub traces: Vec<Trace>,
+}
+
+/// How a model predicts rides; none if the model cannot be.
+pub fn forecast(rides: &[Prepared], model: &Model) -> Option<Forecast> {
     let plant = model.plant().ok()?;
     let longest = HORIZONS_S[HORIZONS_S.len() - 1];
     let mut all: BTreeMap<String, Scores> = BTreeMap::new();
-    for prepared in rides {
+    let mut traces = vec![];
+    for (number, prepared) in rides.iter().enumerate() {
         let ride = &prepared.ride;
         let setup = Setup::new(&plant, ride);
         let course = super::course::Course::new(ride, &setup);
@@ -66,6 +82,7 @@ pub fn forecast(rides: &[Prepared], model: &Model) -> Option<BTreeMap<String, Sc
         for (index, sensor) in ride.sensors.iter().enumerate() {
             let scores = all.entry(sensor.quantity.name().to_owned()).or_default();
             let late = sensor.delay_s + setup.sensors[index].delay_s;
+            let mut points = vec![];
             for (k, horizon) in HORIZONS_S.iter().enumerate() {
                 let mut pairs = vec![];
                 for (start_s, said) in &runs {
@@ -75,15 +92,22 @@ pub fn forecast(rides: &[Prepared], model: &Model) -> Option<BTreeMap<String, Sc
                     }
                     for (r, value) in said {
                         let reading = &course.readings[*r];
-                        if reading.sensor == index
-                            && reading.t_s - late <= start_s + horizon + 1e-6
+                        if reading.sensor == index && reading.t_s - late <= start_s + horizon + 1e-6
                         {
                             pairs.push((reading.value, *value));
+                            if k == MAIN_HORIZON {
+                                points.push([reading.t_s, reading.value, *value]);
+                            }
                         }
                     }
                 }
                 scores.horizons[k].add(&pairs);
             }
+            traces.push(Trace {
+                ride: number,
+                quantity: sensor.quantity.name().to_owned(),
+                points,
+            });
             let values = sensor.samples.iter().map(|s| s.1);
             let count = values.clone().count() as f64;
             let mean = values.clone().sum::<f64>() / count.max(1.0);
@@ -93,5 +117,8 @@ pub fn forecast(rides: &[Prepared], model: &Model) -> Option<BTreeMap<String, Sc
             scores.noise_variance = sd * sd + sensor.quantum * sensor.quantum / 12.0;
         }
     }
-    Some(all)
+    Some(Forecast {
+        scores: all,
+        traces,
+    })
 }

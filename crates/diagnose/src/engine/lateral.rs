@@ -100,8 +100,14 @@ impl Layout {
                 variance[*index] = latent.sd_nm * latent.sd_nm;
             }
         }
-        let sensors = self.sensor_bias.iter().zip(ride.sensors.iter().map(|s| s.bias_sd));
-        let drives = self.drive_bias.iter().zip(ride.drives.iter().map(|d| d.bias_sd));
+        let sensors = self
+            .sensor_bias
+            .iter()
+            .zip(ride.sensors.iter().map(|s| s.bias_sd));
+        let drives = self
+            .drive_bias
+            .iter()
+            .zip(ride.drives.iter().map(|d| d.bias_sd));
         for (index, sd) in sensors.chain(drives) {
             if let Some(index) = index {
                 variance[*index] = sd * sd;
@@ -157,36 +163,44 @@ pub fn free_runs(
     let mut pass = Pass::empty(course);
     let mut runs = vec![];
     let mut next_s = f64::INFINITY;
-    walk(ride, course, setup, model, paces, &mut pass, &mut |work, index| {
-        let step = &course.steps[index];
-        if step.fresh {
-            next_s = step.t_s + restart_s;
-        }
-        if step.t_s < next_s - 1e-6 {
-            return;
-        }
-        next_s += restart_s;
-        let mut free = work.clone();
-        free.blind = true;
-        let mut sink = Pass::empty(course);
-        let mut pace = paces[index];
-        for (k, later) in course.steps.iter().enumerate().skip(index + 1) {
-            if later.fresh || later.t_s > step.t_s + horizon_s + 1e-6 {
-                break;
+    walk(
+        ride,
+        course,
+        setup,
+        model,
+        paces,
+        &mut pass,
+        &mut |work, index| {
+            let step = &course.steps[index];
+            if step.fresh {
+                next_s = step.t_s + restart_s;
             }
-            let slip = if later.dt_s > 0.0 {
-                free.advance(later, &pace, &paces[k], false, &mut sink)
-            } else {
-                0.0
-            };
-            free.read(course, k, &paces[k], slip, &mut sink);
-            pace = paces[k];
-        }
-        runs.push(FreeRun {
-            start_s: step.t_s,
-            said: std::mem::take(&mut free.said),
-        });
-    });
+            if step.t_s < next_s - 1e-6 {
+                return;
+            }
+            next_s += restart_s;
+            let mut free = work.clone();
+            free.blind = true;
+            let mut sink = Pass::empty(course);
+            let mut pace = paces[index];
+            for (k, later) in course.steps.iter().enumerate().skip(index + 1) {
+                if later.fresh || later.t_s > step.t_s + horizon_s + 1e-6 {
+                    break;
+                }
+                let slip = if later.dt_s > 0.0 {
+                    free.advance(later, &pace, &paces[k], &mut sink)
+                } else {
+                    0.0
+                };
+                free.read(course, k, &paces[k], slip, &mut sink);
+                pace = paces[k];
+            }
+            runs.push(FreeRun {
+                start_s: step.t_s,
+                said: std::mem::take(&mut free.said),
+            });
+        },
+    );
     runs
 }
 
@@ -250,15 +264,16 @@ fn walk(
         }
         let after = paces[index];
         let slip = if step.dt_s > 0.0 {
-            work.advance(step, &pace, &after, step.fresh, pass)
+            work.advance(step, &pace, &after, pass)
         } else {
-            if step.fresh {
-                work.start_memory(step, &after);
-            }
             pass.record_still(nd, n);
             0.0
         };
         work.read(course, index, &after, slip, pass);
+        if step.fresh {
+            // Memories start from what the first readings say.
+            work.start_memory(step, &after);
+        }
         pace = after;
         pass.end_step(&work.x);
         after_step(&work, index);
@@ -447,7 +462,6 @@ impl Work<'_> {
         step: &super::course::Step,
         from: &Pace,
         to: &Pace,
-        fresh: bool,
         pass: &mut Pass,
     ) -> f64 {
         let (n, nd) = (self.layout.states, self.layout.dynamic);
@@ -480,9 +494,6 @@ impl Work<'_> {
         if pushed {
             let accel = self.accel(&begin, &self.x);
             let at = state::moment(setup, ride, &step.from, from, &x0, accel, start_s, h);
-            if fresh && setup.memory > 0 {
-                state::remember(setup, &at, &mut memory, true);
-            }
             self.memory = memory;
             let w = state::wrench(setup, ride, &at, &self.memory, Which::All);
             if feedback {
@@ -636,8 +647,8 @@ impl Work<'_> {
                 }
                 None => {
                     self.truth_row(reading.sensor, pace, &mut row);
-                    let b = *balance
-                        .get_or_insert_with(|| Balance::new(self.setup, &step.to, pace));
+                    let b =
+                        *balance.get_or_insert_with(|| Balance::new(self.setup, &step.to, pace));
                     let accel = if sensor.quantity == Quantity::LateralAccel {
                         self.accel(&b, &self.x)
                     } else {
@@ -646,7 +657,11 @@ impl Work<'_> {
                     let at = state::moment(
                         self.setup, self.ride, &step.to, pace, &self.x, accel, step.t_s, step.dt_s,
                     );
-                    let heading = if self.layout.heading { self.x[HEADING] } else { 0.0 };
+                    let heading = if self.layout.heading {
+                        self.x[HEADING]
+                    } else {
+                        0.0
+                    };
                     let model = &self.setup.sensors[reading.sensor];
                     state::reading(self.setup, sensor, model, &at, heading, slip)
                 }
@@ -663,7 +678,9 @@ impl Work<'_> {
             }
             mul_vec(&mut self.gain, &self.p, &row, n);
             let sd = self.model.noise_sd(sensor);
-            let quantum = sensor.quantum.max(self.setup.sensors[reading.sensor].quantum);
+            let quantum = sensor
+                .quantum
+                .max(self.setup.sensors[reading.sensor].quantum);
             let mut noise = sd * sd + quantum * quantum / 12.0;
             if self.ride.clock_jitter_sd_s > 0.0 && step.dt_s > 0.0 {
                 let moved: f64 = row

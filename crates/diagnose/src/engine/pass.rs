@@ -95,7 +95,13 @@ impl Pass {
     }
 
     /// Runs the predictor over a ride.
-    pub fn run(ride: &Ride, course: &Course, setup: &Setup, model: &Model, recording: bool) -> Self {
+    pub fn run(
+        ride: &Ride,
+        course: &Course,
+        setup: &Setup,
+        model: &Model,
+        recording: bool,
+    ) -> Self {
         let mut pass = Self::new(ride, course, model, recording);
         let paces = speed::run(ride, course, setup, model, &mut pass);
         lateral::run(ride, course, setup, model, &paces, &mut pass);
@@ -107,7 +113,14 @@ impl Pass {
         self.variance[index] = variance;
     }
 
-    pub(super) fn record_step(&mut self, top: &[f64], flow: &Flow, x0: &[f64], x1: &[f64], n: usize) {
+    pub(super) fn record_step(
+        &mut self,
+        top: &[f64],
+        flow: &Flow,
+        x0: &[f64],
+        x1: &[f64],
+        n: usize,
+    ) {
         if let Some(r) = &mut self.record {
             r.top.extend_from_slice(top);
             for c in 0..2 {

@@ -124,11 +124,7 @@ impl FreeNoise {
 
 impl Ride {
     /// The windows of one use, or none if the ride has no such window.
-    pub fn new(
-        data: &RideData,
-        usage: Use,
-        free: &mut FreeNoise,
-    ) -> Result<Option<Self>, Refusal> {
+    pub fn new(data: &RideData, usage: Use, free: &mut FreeNoise) -> Result<Option<Self>, Refusal> {
         let windows: Vec<[f64; 2]> = data
             .windows
             .iter()
@@ -210,9 +206,12 @@ impl Ride {
         }
         let speed = input(Quantity::Speed)?;
         if speed.is_none()
-            && !sensors
-                .iter()
-                .any(|s| matches!(s.quantity, Quantity::Speed | Quantity::RearWheelRate | Quantity::FrontWheelRate))
+            && !sensors.iter().any(|s| {
+                matches!(
+                    s.quantity,
+                    Quantity::Speed | Quantity::RearWheelRate | Quantity::FrontWheelRate
+                )
+            })
         {
             return Err(Refusal {
                 place: data.spec.place.clone(),
@@ -230,7 +229,9 @@ impl Ride {
             laws: data.spec.laws.iter().map(law).collect(),
             sensors,
             clock_jitter_sd_s: data.spec.clock_jitter_sd_s,
-            crank: any(Quantity::CrankAngle).map(|c| unwrapped(c, &data.spec.place)).transpose()?,
+            crank: any(Quantity::CrankAngle)
+                .map(|c| unwrapped(c, &data.spec.place))
+                .transpose()?,
             wheel: any(Quantity::FrontWheelRate).map(integrated).transpose()?,
             trunk: any(Quantity::TrunkLean).map(signal).transpose()?,
             speed,
@@ -294,7 +295,10 @@ fn unwrapped(channel: &Channel, _place: &Place) -> Result<Signal, Refusal> {
                 }
             }
             before = Some(v);
-            (t - channel.spec.delay_s, v + turns * 2.0 * std::f64::consts::PI)
+            (
+                t - channel.spec.delay_s,
+                v + turns * 2.0 * std::f64::consts::PI,
+            )
         })
         .collect();
     Signal::new(samples, Hold::Linear).map_err(|e| refuse(channel, e.to_string()))

@@ -44,7 +44,14 @@ struct There {
 
 impl Side<'_> {
     /// At one end of a step; `advance` moves the memory on from there.
-    fn at(&mut self, index: usize, start: bool, x: &[f64], pace: &Pace, advance: Option<bool>) -> There {
+    fn at(
+        &mut self,
+        index: usize,
+        start: bool,
+        x: &[f64],
+        pace: &Pace,
+        advance: Option<bool>,
+    ) -> There {
         let step = &self.course.steps[index];
         let (ends, t_s) = if start {
             (&step.from, step.t_s - step.dt_s)
@@ -134,7 +141,11 @@ pub fn change(
         let after = record.pace[index];
         let moved = |k: usize, pace: &Pace| -> Pace {
             if ride.speed.is_some() {
-                let ends = if k == 0 { &other.steps[index].from } else { &other.steps[index].to };
+                let ends = if k == 0 {
+                    &other.steps[index].from
+                } else {
+                    &other.steps[index].to
+                };
                 Pace {
                     speed_m_s: ends.speed_m_s,
                     accel_m_s2: ends.accel_m_s2,
@@ -154,8 +165,14 @@ pub fn change(
         if step.dt_s > 0.0 {
             let x0 = &record.x0[index * n..(index + 1) * n];
             let begin = Some(step.fresh);
-            let (p0, q0) = (a.at(index, true, x0, &pace, begin), b.at(index, true, x0, &moved(0, &pace), begin));
-            let (p1, q1) = (a.at(index, false, x1, &after, None), b.at(index, false, x1, &moved(1, &after), None));
+            let (p0, q0) = (
+                a.at(index, true, x0, &pace, begin),
+                b.at(index, true, x0, &moved(0, &pace), begin),
+            );
+            let (p1, q1) = (
+                a.at(index, false, x1, &after, None),
+                b.at(index, false, x1, &moved(1, &after), None),
+            );
             slip = [p1.slip, q1.slip];
             let t0 = mass * (q0.accel - p0.accel);
             let t1 = mass * (q1.accel - p1.accel);
@@ -195,8 +212,8 @@ pub fn change(
             } else {
                 let tell = |setup: &Setup, course: &Course, pace: &Pace, slip: f64| {
                     let ends = &course.steps[index].to;
-                    let accel = setup.plant.body.mass_inverse
-                        * Balance::new(setup, ends, pace).net(x1);
+                    let accel =
+                        setup.plant.body.mass_inverse * Balance::new(setup, ends, pace).net(x1);
                     let at = state::moment(setup, ride, ends, pace, x1, accel, step.t_s, step.dt_s);
                     let model = &setup.sensors[reading.sensor];
                     let heading = if layout.heading { x1[HEADING] } else { 0.0 };

@@ -183,7 +183,11 @@ mod tests {
             assert!((flow.phi[0] - decay).abs() < 1e-9);
             assert!((flow.held[0][0] - (1.0 - decay)).abs() < 1e-9);
             let ramp = 1.0 - (1.0 - decay) / (rate * h);
-            assert!((flow.ramp[0][0] - ramp).abs() < 1e-8, "{} {ramp}", flow.ramp[0][0]);
+            assert!(
+                (flow.ramp[0][0] - ramp).abs() < 1e-8,
+                "{} {ramp}",
+                flow.ramp[0][0]
+            );
             assert!((flow.ramp[1][1] - 0.5 * h).abs() < 1e-15);
         }
         let a = [0.0, 1.0, 0.0, 0.0];

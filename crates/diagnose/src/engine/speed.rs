@@ -91,7 +91,13 @@ pub fn reading(setup: &Setup, sensor: usize, spec: &Sensor, speed: f64, felt: f6
 }
 
 /// Runs the predictor of the speed and gives the pace at the end of each step.
-pub fn run(ride: &Ride, course: &Course, setup: &Setup, model: &Model, pass: &mut Pass) -> Vec<Pace> {
+pub fn run(
+    ride: &Ride,
+    course: &Course,
+    setup: &Setup,
+    model: &Model,
+    pass: &mut Pass,
+) -> Vec<Pace> {
     let mut paces = Vec::with_capacity(course.steps.len());
     let mut pace = Pace::default();
     if ride.speed.is_some() {

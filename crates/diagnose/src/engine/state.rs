@@ -128,8 +128,8 @@ pub fn wrench(setup: &Setup, ride: &Ride, at: &Moment<'_>, memory: &[f64], which
             Quantity::YawRate => (at.yaw_rate_rad_s(), at.yaw_accel_rad_s2()),
             _ => (at.rate_rad_s[0], at.accel_rad_s2[0]),
         };
-        let torque = (law.gain.at(at.speed_m_s) * (value - delay * rate))
-            .clamp(-law.limit_nm, law.limit_nm);
+        let torque =
+            (law.gain.at(at.speed_m_s) * (value - delay * rate)).clamp(-law.limit_nm, law.limit_nm);
         sum.roll_nm += law.arm[0] * torque;
         sum.steer_nm += law.arm[1] * torque;
     }

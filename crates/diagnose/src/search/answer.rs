@@ -164,5 +164,5 @@ pub struct Answer {
     #[serde(skip)]
     pub pictures: super::pictures::Pictures,
     #[serde(skip)]
-    pub plant: Option<twinhub_mechanism::ExtendedPlant>,
+    pub plant: Option<twinhub_linear::Bicycle>,
 }

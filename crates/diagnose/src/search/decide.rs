@@ -23,7 +23,9 @@ impl Blocks {
             let key = (*ride, libm::floor(t / THRESHOLDS.block_s) as i64);
             *sums.entry(key).or_insert(0.0) += 0.5 * (e * e / s + libm::log(*s));
         }
-        sums.values().all(|x: &f64| x.is_finite()).then_some(Self(sums))
+        sums.values()
+            .all(|x: &f64| x.is_finite())
+            .then_some(Self(sums))
     }
 }
 

@@ -37,7 +37,11 @@ pub fn before_fit(bicycle: &Bicycle, data: &[RideData]) -> Vec<Fault> {
             let values: Vec<f64> = channel
                 .samples
                 .iter()
-                .filter(|s| ride.windows.iter().any(|w| (w.start_s..w.end_s).contains(&s.0)))
+                .filter(|s| {
+                    ride.windows
+                        .iter()
+                        .any(|w| (w.start_s..w.end_s).contains(&s.0))
+                })
                 .map(|s| s.1)
                 .collect();
             let name = channel.spec.quantity.name();
@@ -45,14 +49,28 @@ pub fn before_fit(bicycle: &Bicycle, data: &[RideData]) -> Vec<Fault> {
                 continue;
             }
             if values.windows(2).all(|p| p[0] == p[1]) {
-                tell(name, format!("column {} does not change: dead", channel.spec.column));
+                tell(
+                    name,
+                    format!("column {} does not change: dead", channel.spec.column),
+                );
             } else if saturated_share(&values) > SATURATED_SHARE {
-                tell(name, format!("column {} stands at its extreme: saturated", channel.spec.column));
+                tell(
+                    name,
+                    format!(
+                        "column {} stands at its extreme: saturated",
+                        channel.spec.column
+                    ),
+                );
             } else if spike_share(&values, channel.spec.quantum) > SPIKE_SHARE {
-                tell(name, format!("column {} is full of isolated spikes", channel.spec.column));
+                tell(
+                    name,
+                    format!("column {} is full of isolated spikes", channel.spec.column),
+                );
             }
         }
-        let Some(equations) = &equations else { continue };
+        let Some(equations) = &equations else {
+            continue;
+        };
         for relation in relations(equations, ride) {
             if relation.r < -0.5 {
                 tell(
@@ -77,9 +95,11 @@ pub fn before_fit(bicycle: &Bicycle, data: &[RideData]) -> Vec<Fault> {
 }
 
 fn saturated_share(values: &[f64]) -> f64 {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(*x), b.max(*x))
-    });
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(*x), b.max(*x))
+        });
     let mut count = 0;
     let mut run = 0;
     for v in values {
@@ -108,7 +128,10 @@ fn spike_share(values: &[f64], quantum: f64) -> f64 {
     ordered.sort_by(f64::total_cmp);
     // The 90th percentile: a median would be zero for a quantised channel.
     let usual = ordered[ordered.len() * 9 / 10].max(quantum);
-    let count = off.iter().filter(|x| **x > 12.0 * usual && usual > 0.0).count();
+    let count = off
+        .iter()
+        .filter(|x| **x > 12.0 * usual && usual > 0.0)
+        .count();
     count as f64 / values.len() as f64
 }
 
@@ -129,11 +152,12 @@ pub fn dead_inputs(fit: &Rides, baseline: &Baseline) -> Vec<Fault> {
                 || (channel == "front_brake_nm" && r.ride.front_brake.is_some())
                 || (channel == "rear_traction_nm" && r.ride.rear_traction.is_some())
         });
-        let score = twinhub_mechanism::find(name).filter(|_| drives).and_then(|m| bench.score(m));
+        let score = twinhub_mechanism::find(name)
+            .filter(|_| drives)
+            .and_then(|m| bench.score(m));
         let Some(score) = score else { continue };
-        let probe = score.mechanism.card().parameters[0].probe;
-        let gain = 1.0 + score.size[0] * probe;
-        let sd = probe * (score.widening / score.information[0]).sqrt();
+        let gain = 1.0 + score.first_size();
+        let sd = score.unit.abs() * (score.widening / score.information[0]).sqrt();
         if gain < THRESHOLDS.dead_input_gain && (1.0 - gain) / sd > THRESHOLDS.dead_input_z {
             faults.push(Fault {
                 channel: channel.to_owned(),

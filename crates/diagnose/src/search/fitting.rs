@@ -60,7 +60,10 @@ impl Passes {
 
     /// Innovations over their standard deviations.
     pub fn whitened(&self) -> Column {
-        let all = self.passes.iter().flat_map(|p| p.error.iter().zip(&p.variance));
+        let all = self
+            .passes
+            .iter()
+            .flat_map(|p| p.error.iter().zip(&p.variance));
         all.map(|(e, s)| e / s.sqrt()).collect()
     }
 
@@ -70,8 +73,7 @@ impl Passes {
         for (index, pass) in self.passes.iter().enumerate() {
             let ride = &rides.0[index].ride;
             let course = self.course(rides, index);
-            let change =
-                sensitivity::of_pass(ride, course, &self.plant, changed, model, pass);
+            let change = sensitivity::of_pass(ride, course, &self.plant, changed, model, pass);
             column.extend(change.iter().zip(&pass.variance).map(|(e, s)| e / s.sqrt()));
         }
         column
@@ -80,7 +82,12 @@ impl Passes {
     /// Ride and time stamp of every entry of a column.
     pub fn stamps(&self, rides: &Rides) -> Vec<(usize, f64)> {
         (0..self.passes.len())
-            .flat_map(|i| self.course(rides, i).readings.iter().map(move |r| (i, r.t_s)))
+            .flat_map(|i| {
+                self.course(rides, i)
+                    .readings
+                    .iter()
+                    .map(move |r| (i, r.t_s))
+            })
             .collect()
     }
 }
@@ -95,7 +102,9 @@ pub struct Calibrated {
 
 /// The parameters that may be calibrated, with their declared standard deviations.
 pub fn calibrated(study: &Study, bicycle: &twinhub_linear::Bicycle) -> Vec<Calibrated> {
-    let free = SYMBOLS.iter().filter(|s| !matches!(**s, "g" | "IByy" | "IHyy"));
+    let free = SYMBOLS
+        .iter()
+        .filter(|s| !matches!(**s, "g" | "IByy" | "IHyy"));
     free.filter_map(|&symbol| {
         let value = bicycle.get(symbol)?;
         let sd = match study.tolerances.get(symbol) {
@@ -176,7 +185,12 @@ pub fn fit_levels(rides: &Rides, free: &FreeNoise, model: &Model, rounds: usize)
     let mut model = model.clone();
     let count = 3 + free.range.len();
     let get = |m: &Model| -> Vec<f64> {
-        m.levels.process.iter().chain(&m.levels.sensors).map(|x| libm::log(*x)).collect()
+        m.levels
+            .process
+            .iter()
+            .chain(&m.levels.sensors)
+            .map(|x| libm::log(*x))
+            .collect()
     };
     let set = |m: &Model, x: &[f64]| -> Model {
         let mut m = m.clone();
@@ -197,7 +211,10 @@ pub fn fit_levels(rides: &Rides, free: &FreeNoise, model: &Model, rounds: usize)
     let used: Vec<usize> = (0..count).filter(|i| *i != 2 || longitudinal).collect();
     let origin = get(&model);
     let prior = |x: &[f64]| -> f64 {
-        x.iter().zip(&origin).map(|(a, b)| 0.5 * PRIOR * (a - b) * (a - b)).sum()
+        x.iter()
+            .zip(&origin)
+            .map(|(a, b)| 0.5 * PRIOR * (a - b) * (a - b))
+            .sum()
     };
     let Some(mut now) = Passes::run(rides, &model, false) else {
         return model;

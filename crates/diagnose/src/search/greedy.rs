@@ -96,7 +96,9 @@ fn discovered(tested: &[Tested]) -> Vec<&Score> {
 }
 
 fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
-    (!held.0.is_empty()).then(|| Blocks::new(held, &baseline.model)).flatten()
+    (!held.0.is_empty())
+        .then(|| Blocks::new(held, &baseline.model))
+        .flatten()
 }
 
 fn contend(
@@ -133,7 +135,9 @@ fn is_degenerate(contender: &Contender) -> bool {
     let Some(active) = contender.refit.baseline.model.active.last() else {
         return true;
     };
-    let null = active.mechanism.null(&contender.refit.baseline.model.bicycle.parameters);
+    let null = active
+        .mechanism
+        .null(&contender.refit.baseline.model.bicycle.parameters);
     active.p[0] == null[0]
 }
 
@@ -169,7 +173,13 @@ pub fn search(
             let mut list: Vec<Contender> = vec![];
             for score in discovered(&tested).into_iter().take(THRESHOLDS.refits) {
                 progress(&format!("fitting {}", score.mechanism.card().name));
-                list.extend(contend(material, &baseline, before.as_ref(), score.mechanism, &score.size));
+                list.extend(contend(
+                    material,
+                    &baseline,
+                    before.as_ref(),
+                    score.mechanism,
+                    &score.size,
+                ));
             }
             list.sort_by(|a, b| b.total().total_cmp(&a.total()));
             for c in &list {
@@ -275,7 +285,8 @@ fn confusion(list: &[Contender], best: usize, tested: &[Tested]) -> Vec<&'static
         for score in tested.iter().filter_map(|t| t.score.as_ref()) {
             let other = name(score.mechanism);
             // One whose sign is forbidden explains nothing.
-            if !set.contains(&other) && score.statistic > 0.5 * mine.statistic
+            if !set.contains(&other)
+                && score.statistic > 0.5 * mine.statistic
                 && correlation(mine, score) > t.set_correlation
             {
                 set.push(other);
@@ -322,7 +333,9 @@ fn eliminate(
 fn disagreement_p(rides: &Rides, baseline: &Baseline) -> Option<f64> {
     let bench = Bench::new(rides, baseline)?;
     let index = baseline.model.active.len().checked_sub(1)?;
-    let column = active_columns(rides, baseline, &bench.passes, index).into_iter().next()?;
+    let column = active_columns(rides, baseline, &bench.passes, index)
+        .into_iter()
+        .next()?;
     let count = rides.0.len();
     if count < 2 {
         return None;
@@ -347,7 +360,9 @@ fn disagreement_p(rides: &Rides, baseline: &Baseline) -> Option<f64> {
         .filter(|(s, _)| s[1] > 0.0)
         .map(|([u, i], v)| u * u / i.max(*v))
         .sum();
-    ChiSquared::new((count - 1) as f64).ok().map(|d| d.sf(statistic))
+    ChiSquared::new((count - 1) as f64)
+        .ok()
+        .map(|d| d.sf(statistic))
 }
 
 /// Probes that still explain something.
@@ -370,7 +385,8 @@ fn leftovers(material: &Material<'_>, baseline: &Baseline, decide: bool) -> Opti
             continue;
         }
         tried.push((probe.equation, count));
-        let Some(contender) = contend(material, baseline, before.as_ref(), probe, &score.size) else {
+        let Some(contender) = contend(material, baseline, before.as_ref(), probe, &score.size)
+        else {
             continue;
         };
         if !decide || contender.gain.is_decisive() {

@@ -6,6 +6,7 @@
 use super::answer::Answer;
 use super::fitting::Rides;
 use super::greedy::Found;
+use super::score::Score;
 use super::thresholds::THRESHOLDS;
 
 /// Time over which rides are used.
@@ -14,24 +15,34 @@ pub fn duration_s(rides: &Rides) -> f64 {
     windows.map(|w| w[1] - w[0]).sum()
 }
 
+/// Why a mechanism has no limit.
+pub const SAME_AS_TOLERANCE: &str =
+    "its effect is the same as that of parameters within tolerance, or none in these rides";
+
+/// Smallest size of a mechanism that would be seen; `ratio` is held-out time over fit time.
+pub fn limit(score: &Score, ratio: f64) -> f64 {
+    let information = score.information[0] / score.widening;
+    let by_score = THRESHOLDS.limit_z / information.sqrt();
+    let by_gain = if ratio > 0.0 {
+        (2.0 * THRESHOLDS.limit_nats / (information * ratio)).sqrt()
+    } else {
+        0.0
+    };
+    score.unit.abs() * by_score.max(by_gain)
+}
+
 /// Fills the detection limits.
 pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
     let ratio = duration_s(held) / duration_s(fit).max(1e-9);
     for score in found.first.iter().filter_map(|t| t.score.as_ref()) {
         let card = score.mechanism.card();
-        let param = &card.parameters[0];
-        let information = score.information[0] / score.widening;
-        let by_score = THRESHOLDS.limit_z / information.sqrt();
-        let by_gain = if ratio > 0.0 {
-            (2.0 * THRESHOLDS.limit_nats / (information * ratio)).sqrt()
-        } else {
-            0.0
-        };
-        let limit = param.probe.abs() * by_score.max(by_gain);
+        if card.name.starts_with(super::tolerance::PREFIX) {
+            continue;
+        }
         answer
             .detection_limits
             .entry(card.name.to_owned())
             .or_default()
-            .insert(param.name.to_owned(), limit);
+            .insert(card.parameters[0].name.to_owned(), limit(score, ratio));
     }
 }

@@ -18,15 +18,17 @@ use super::fitting::Rides;
 use super::greedy::Found;
 use super::pictures::Spectrum;
 use super::thresholds::THRESHOLDS;
+use crate::engine::course::Course;
 use crate::engine::pass::Record;
 use crate::engine::small::dot;
-use crate::engine::course::Course;
 use crate::engine::{Model, Pass, Ride};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Frequencies from 0.1 to 8 Hz, eight a factor of two.
 fn frequencies() -> Vec<f64> {
-    (0..=50).map(|k| 0.1 * libm::pow(2.0, f64::from(k) / 8.0)).collect()
+    (0..=50)
+        .map(|k| 0.1 * libm::pow(2.0, f64::from(k) / 8.0))
+        .collect()
 }
 
 /// Response of the whitened innovations of one ride to a torque on one axis.
@@ -120,12 +122,16 @@ pub fn fill(answer: &mut Answer, fit: &Rides, before: &Model, found: &Found) {
         } else {
             spectrum(fit, &found.baseline.model, axis, &grid).unwrap_or_else(|| first.clone())
         };
-        let seen = if answer.verdict == Verdict::Unknown { &after } else { &first };
-        let (peak, power) = seen
-            .iter()
-            .copied()
-            .enumerate()
-            .fold((0, 0.0), |best, (k, p)| if p > best.1 { (k, p) } else { best });
+        let seen = if answer.verdict == Verdict::Unknown {
+            &after
+        } else {
+            &first
+        };
+        let (peak, power) =
+            seen.iter().copied().enumerate().fold(
+                (0, 0.0),
+                |best, (k, p)| if p > best.1 { (k, p) } else { best },
+            );
         let p_value = null.sf(power * count) * grid.len() as f64;
         let strong = |k: usize| seen[k] > limit.max(0.3 * power);
         let mut low = peak;

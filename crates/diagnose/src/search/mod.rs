@@ -2,6 +2,7 @@
 
 pub mod answer;
 mod decide;
+pub mod experiment;
 mod faults;
 mod fitting;
 mod gain;
@@ -15,6 +16,7 @@ mod run;
 mod score;
 mod testable;
 pub mod thresholds;
+mod tolerance;
 mod words;
 
 pub use answer::{Answer, Verdict};

@@ -25,8 +25,6 @@ pub struct Refit {
     pub baseline: Baseline,
     /// Standard deviation of every parameter of every active mechanism.
     pub sd: Vec<Vec<f64>>,
-    /// Covariance of all of them.
-    pub covariance: Vec<Vec<f64>>,
 }
 
 const ROUNDS: usize = 4;
@@ -37,7 +35,11 @@ fn prior(baseline: &Baseline) -> f64 {
         let null = a.mechanism.null(&baseline.model.bicycle.parameters);
         let parameters = a.mechanism.card().parameters.iter().enumerate();
         parameters
-            .map(|(i, p)| 0.5 * precision(i, p.name, p.most - p.least) * (a.p[i] - null[i]) * (a.p[i] - null[i]))
+            .map(|(i, p)| {
+                0.5 * precision(i, p.name, p.most - p.least)
+                    * (a.p[i] - null[i])
+                    * (a.p[i] - null[i])
+            })
             .sum::<f64>()
     });
     z + secondary.sum::<f64>()
@@ -81,21 +83,33 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
             let null = a.mechanism.null(&now.model.bicycle.parameters);
             for (k, (param, column)) in a.mechanism.card().parameters.iter().zip(list).enumerate() {
                 columns.push(column);
-                weights.push(precision(k, param.name, param.most - param.least) + 1e-7 * dot(column, column));
+                weights.push(
+                    precision(k, param.name, param.most - param.least) + 1e-7 * dot(column, column),
+                );
                 at.push(a.p[k]);
                 origin.push(null[k]);
                 least.push(param.least);
                 most.push(param.most);
             }
         }
-        let step = bounded_step(&passes.whitened(), &columns, &weights, &at, &origin, &least, &most);
+        let step = bounded_step(
+            &passes.whitened(),
+            &columns,
+            &weights,
+            &at,
+            &origin,
+            &least,
+            &most,
+        );
         let mut share = 1.0;
         let mut gained = 0.0;
         while share > 0.05 {
             let mut there = now.clone();
-            let mut next = step.iter().zip(&at).zip(least.iter().zip(&most)).map(
-                |((d, a), (l, m))| (a + share * d).clamp(*l, *m),
-            );
+            let mut next = step
+                .iter()
+                .zip(&at)
+                .zip(least.iter().zip(&most))
+                .map(|((d, a), (l, m))| (a + share * d).clamp(*l, *m));
             for (i, _) in &now.columns {
                 there.z[*i] = next.next()?;
             }
@@ -168,7 +182,12 @@ pub fn refit(
 }
 
 /// Levels once more, and uncertainties.
-pub fn finish(rides: &Rides, free: &FreeNoise, mut best: Baseline, level_rounds: usize) -> Option<Refit> {
+pub fn finish(
+    rides: &Rides,
+    free: &FreeNoise,
+    mut best: Baseline,
+    level_rounds: usize,
+) -> Option<Refit> {
     if level_rounds > 0 {
         best.model = fit_levels(rides, free, &best.model, level_rounds);
         best = polish(rides, best, 1)?;
@@ -178,7 +197,12 @@ pub fn finish(rides: &Rides, free: &FreeNoise, mut best: Baseline, level_rounds:
         .map(|i| active_columns(rides, &best, &passes, i))
         .collect();
     let flat: Vec<&Column> = own.iter().flatten().collect();
-    let all: Vec<&Column> = best.columns.iter().map(|(_, c)| c).chain(flat.iter().copied()).collect();
+    let all: Vec<&Column> = best
+        .columns
+        .iter()
+        .map(|(_, c)| c)
+        .chain(flat.iter().copied())
+        .collect();
     let (m, k) = (all.len(), flat.len());
     let mut normal = vec![0.0; m * m];
     for i in 0..m {
@@ -187,7 +211,11 @@ pub fn finish(rides: &Rides, free: &FreeNoise, mut best: Baseline, level_rounds:
             normal[i * m + j] = x;
             normal[j * m + i] = x;
         }
-        normal[i * m + i] += if i < m - k { 1.0 } else { 1e-9 + 1e-9 * normal[i * m + i] };
+        normal[i * m + i] += if i < m - k {
+            1.0
+        } else {
+            1e-9 + 1e-9 * normal[i * m + i]
+        };
     }
     let units: Vec<Vec<f64>> = (m - k..m)
         .map(|i| (0..m).map(|j| if i == j { 1.0 } else { 0.0 }).collect())
@@ -195,7 +223,10 @@ pub fn finish(rides: &Rides, free: &FreeNoise, mut best: Baseline, level_rounds:
     let covariance: Vec<Vec<f64>> = if k == 0 {
         vec![]
     } else {
-        solve(&normal, &units)?.iter().map(|c| c[m - k..].to_vec()).collect()
+        solve(&normal, &units)?
+            .iter()
+            .map(|c| c[m - k..].to_vec())
+            .collect()
     };
     let mut index = 0;
     let sd = best
@@ -212,9 +243,5 @@ pub fn finish(rides: &Rides, free: &FreeNoise, mut best: Baseline, level_rounds:
         })
         .collect();
     best.cost = cost(&passes, &best);
-    Some(Refit {
-        baseline: best,
-        sd,
-        covariance,
-    })
+    Some(Refit { baseline: best, sd })
 }

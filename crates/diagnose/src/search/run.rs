@@ -9,20 +9,25 @@ use super::greedy::{Found, Material, search};
 use super::limits;
 use super::testable::obstacle;
 use super::thresholds::{self, THRESHOLDS};
+use super::tolerance;
 use super::{gain, words};
 use crate::data::{DataError, DataFolders, RideData, read_ride};
 use crate::engine::{FreeNoise, Refusal, Ride};
 use crate::study::{Place, Study, Use};
 use std::collections::BTreeMap;
-use twinhub_mechanism::{ALL, ExtendedPlant, Mechanism};
+use twinhub_mechanism::{ALL, Mechanism};
 
 /// Why a study cannot be diagnosed at all. What is wrong inside the rides is an answer, not an error.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum DiagnoseError {
-    #[error("{study}: model = \"multibody\"; accepted: model = \"benchmark\": diagnosis predicts with the benchmark bicycle")]
+    #[error(
+        "{study}: model = \"multibody\"; accepted: model = \"benchmark\": diagnosis predicts with the benchmark bicycle"
+    )]
     Model { study: String },
-    #[error("{study}: no [[ride]]; accepted: at least one, for [[modes]] alone hold no input to predict with")]
+    #[error(
+        "{study}: no [[ride]]; accepted: at least one, for [[modes]] alone hold no input to predict with"
+    )]
     NoRide { study: String },
     #[error("{study}: no ride or window with use = \"fit\"; accepted: at least one")]
     NoFit { study: String },
@@ -40,6 +45,16 @@ pub enum DiagnoseError {
     Bicycle(#[from] Box<twinhub_linear::BicycleError>),
     #[error("{study}: the rides cannot be predicted: the likelihood is not finite")]
     NotFinite { study: String },
+}
+
+impl From<Refusal> for DiagnoseError {
+    fn from(r: Refusal) -> Self {
+        Self::Channel {
+            place: r.place,
+            found: r.found,
+            accepted: r.accepted,
+        }
+    }
 }
 
 /// What a diagnosis may look for.
@@ -69,7 +84,9 @@ pub fn diagnose_in(
         progress(&format!("reading {}", ride.file));
         match read_ride(ride, folders) {
             Ok(ride) => data.push(ride),
-            Err(error @ (DataError::Row { .. } | DataError::Cell { .. } | DataError::Value { .. })) => {
+            Err(
+                error @ (DataError::Row { .. } | DataError::Cell { .. } | DataError::Value { .. }),
+            ) => {
                 let fault = Fault {
                     channel: channel_of(&error),
                     ride: Some(ride.file.clone()),
@@ -135,9 +152,8 @@ pub fn library(options: &Options) -> Result<Vec<&'static dyn Mechanism>, Diagnos
             });
         }
     }
-    let has = |list: &[String], m: &&'static dyn Mechanism| {
-        list.iter().any(|name| name == m.card().name)
-    };
+    let has =
+        |list: &[String], m: &&'static dyn Mechanism| list.iter().any(|name| name == m.card().name);
     let all = ALL.iter().copied();
     Ok(all
         .filter(|m| !has(&options.without, m))
@@ -177,11 +193,7 @@ pub fn diagnose_data(
     if !faults.is_empty() {
         return Ok(bad_data(study, faults));
     }
-    let (fit, held, free) = split(data).map_err(|r| DiagnoseError::Channel {
-        place: r.place,
-        found: r.found,
-        accepted: r.accepted,
-    })?;
+    let (fit, held, free) = split(data)?;
     if fit.is_empty() {
         return Err(DiagnoseError::NoFit { study: name });
     }
@@ -206,15 +218,19 @@ pub fn diagnose_data(
         answer.statements = words::statements(&answer);
         return Ok(answer);
     }
-    let not_finite = || DiagnoseError::NotFinite { study: name.clone() };
+    let not_finite = || DiagnoseError::NotFinite {
+        study: name.clone(),
+    };
     let parameters = calibrated(study, bicycle);
-    let baseline = Baseline::fit(&fit, &free, nominal, parameters, progress).ok_or_else(not_finite)?;
+    let baseline =
+        Baseline::fit(&fit, &free, nominal, parameters, progress).ok_or_else(not_finite)?;
     for (c, z) in baseline.all.iter().zip(&baseline.z) {
         answer
             .calibration
             .insert(c.symbol.to_owned(), c.value + z * c.sd);
         if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
             answer.out_of_tolerance.push(c.symbol.to_owned());
+            testable.extend(tolerance::candidate(c.symbol));
         }
     }
     answer.faults = faults::dead_inputs(&fit, &baseline);
@@ -266,14 +282,13 @@ fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides
                     ScoreLine {
                         p_value: score.p_value,
                         statistic: score.statistic,
-                        size: score.size[0] * card.parameters[0].probe,
+                        size: score.first_size(),
                     },
                 );
             }
             None => answer.not_testable.push(NotTestable {
                 mechanism: card.name.to_owned(),
-                why: "its effect is the same as that of parameters within tolerance, or none in these rides"
-                    .to_owned(),
+                why: limits::SAME_AS_TOLERANCE.to_owned(),
             }),
         }
     }
@@ -331,7 +346,11 @@ fn judge(answer: &mut Answer, found: &Found, decided: bool) {
         let own = accepted.mechanism.card().equations;
         cause.confirmed = decided && !own.iter().any(|e| dirty.contains(&e.name()));
     }
-    for left in found.left.iter().filter(|l| l.p_value < THRESHOLDS.unknown_p_value) {
+    for left in found
+        .left
+        .iter()
+        .filter(|l| l.p_value < THRESHOLDS.unknown_p_value)
+    {
         answer.places.push(Where {
             equation: left.probe.equation.name().to_owned(),
             band_hz: None,
@@ -346,6 +365,14 @@ fn judge(answer: &mut Answer, found: &Found, decided: bool) {
     answer.verdict = match answer.causes.len() {
         0 if unknown => Verdict::Unknown,
         0 => Verdict::NoEffect,
+        _ if decided
+            && answer
+                .causes
+                .iter()
+                .all(|c| c.mechanism.starts_with(tolerance::PREFIX)) =>
+        {
+            Verdict::Tolerance
+        }
         _ if !answer.causes.iter().all(|c| c.confirmed) => Verdict::Partial,
         1 => Verdict::Cause,
         _ => Verdict::Causes,
@@ -391,43 +418,33 @@ fn equation_name(card: &twinhub_mechanism::Card) -> String {
     format!("sensor:{}", output.unwrap_or("speed_m_s"))
 }
 
-fn plant_file(study: &Study, answer: &Answer, found: &Found) -> Option<ExtendedPlant> {
+fn plant_file(study: &Study, answer: &Answer, found: &Found) -> Option<twinhub_linear::Bicycle> {
     if answer.causes.is_empty() {
         return None;
     }
-    let mechanism = found.baseline.model.active.iter().enumerate().map(|(index, a)| {
-        let sd = found.refit.as_ref().and_then(|r| r.sd.get(index));
-        let parameters = a.mechanism.card().parameters.iter().enumerate();
-        twinhub_mechanism::Accepted {
-            name: a.mechanism.card().name.to_owned(),
+    let active = found.baseline.model.active.iter().enumerate();
+    let causes: Vec<twinhub_mechanism::Accepted> = active
+        .map(|(index, a)| twinhub_mechanism::Accepted {
+            mechanism: a.mechanism,
             confirmed: answer.causes.get(index).is_some_and(|c| c.confirmed),
-            parameters: parameters
-                .map(|(k, p)| {
-                    (
-                        p.name.to_owned(),
-                        twinhub_mechanism::Estimate {
-                            value: a.p[k],
-                            sd: sd.and_then(|s| s.get(k)).copied().filter(|x| x.is_finite()),
-                        },
-                    )
-                })
-                .collect(),
-        }
-    });
+            p: a.p.clone(),
+            sd: found
+                .refit
+                .as_ref()
+                .and_then(|r| r.sd.get(index).cloned())
+                .unwrap_or_default(),
+        })
+        .collect();
     let rides: Vec<&str> = study.rides.iter().map(|r| r.file.as_str()).collect();
-    Some(ExtendedPlant {
-        schema_version: 1,
-        kind: twinhub_mechanism::extended::KIND.to_owned(),
-        name: format!("{} extended", study.parameters),
-        provenance: format!(
-            "{}, thresholds {}, study \"{}\", rides {}",
-            answer.tool,
-            answer.thresholds,
-            study.name,
-            rides.join(", ")
-        ),
-        parameters: found.baseline.model.bicycle.parameters,
-        mechanism: mechanism.collect(),
-        covariance: found.refit.as_ref().map_or(vec![], |r| r.covariance.clone()),
-    })
+    let source = format!(
+        "{}, thresholds {}, study \"{}\" on {}, rides {}",
+        answer.tool,
+        answer.thresholds,
+        study.name,
+        study.parameters,
+        rides.join(", ")
+    );
+    let name = format!("{}_extended", study.parameters);
+    twinhub_mechanism::extended::extended(&found.baseline.model.bicycle, &name, &source, &causes)
+        .ok()
 }

@@ -28,11 +28,20 @@ pub struct Score {
     pub projected: Vec<Column>,
     /// In units of the probes.
     pub size: Vec<f64>,
+    /// First parameter's deviation from null at the first probe.
+    pub unit: f64,
     pub information: Vec<f64>,
     pub statistic: f64,
     pub p_value: f64,
     /// How much wider than the classical variance the blocks say, at least 1.
     pub widening: f64,
+}
+
+impl Score {
+    /// Linear estimate of the first parameter, away from null.
+    pub fn first_size(&self) -> f64 {
+        self.size[0] * self.unit
+    }
 }
 
 /// What the residual looks like to a test.
@@ -156,7 +165,11 @@ impl<'a> Bench<'a> {
         self.score_columns(mechanism, columns)
     }
 
-    fn score_columns(&self, mechanism: &'static dyn Mechanism, columns: Vec<Column>) -> Option<Score> {
+    fn score_columns(
+        &self,
+        mechanism: &'static dyn Mechanism,
+        columns: Vec<Column>,
+    ) -> Option<Score> {
         let k = columns.len();
         let (projected, information) = self.project(&columns);
         // A column that the nuisances explain wholly cannot be tested.
@@ -167,7 +180,10 @@ impl<'a> Bench<'a> {
             }
         }
         let score: Vec<f64> = columns.iter().map(|g| dot(g, &self.residual)).collect();
-        let size: Vec<f64> = solve(&information, &[score.clone()])?[0].iter().map(|x| -x).collect();
+        let size: Vec<f64> = solve(&information, &[score.clone()])?[0]
+            .iter()
+            .map(|x| -x)
+            .collect();
         let classical = -dot(&size, &score);
         // Scores of the blocks with the effect taken off.
         let mut blocks = vec![vec![0.0; k]; self.blocks];
@@ -198,14 +214,21 @@ impl<'a> Bench<'a> {
             classical
         };
         let mut statistic = classical.min(robust).max(0.0);
-        let widening = if robust > 0.0 { (classical / robust).max(1.0) } else { 1.0 };
+        let widening = if robust > 0.0 {
+            (classical / robust).max(1.0)
+        } else {
+            1.0
+        };
         let card = mechanism.card();
         let first = &card.parameters[0];
-        let null = mechanism.null(&self.baseline.model.bicycle.parameters)[0];
+        let bicycle = &self.baseline.model.bicycle.parameters;
+        let null = mechanism.null(bicycle)[0];
+        let unit = mechanism.probes(bicycle)[0][0] - null;
         // A size on the forbidden side of a bound explains nothing.
         if k == 1 {
-            let there = null + size[0] * first.probe;
-            let forbidden = (first.least >= null && there < null) || (first.most <= null && there > null);
+            let there = null + size[0] * unit;
+            let forbidden =
+                (first.least >= null && there < null) || (first.most <= null && there > null);
             if forbidden {
                 statistic = 0.0;
             }
@@ -214,6 +237,7 @@ impl<'a> Bench<'a> {
         Some(Score {
             mechanism,
             projected,
+            unit,
             size,
             information,
             statistic,
@@ -224,7 +248,12 @@ impl<'a> Bench<'a> {
 }
 
 /// Columns of an active mechanism's parameters.
-pub fn active_columns(rides: &Rides, baseline: &Baseline, passes: &Passes, index: usize) -> Vec<Column> {
+pub fn active_columns(
+    rides: &Rides,
+    baseline: &Baseline,
+    passes: &Passes,
+    index: usize,
+) -> Vec<Column> {
     let active = &baseline.model.active[index];
     let card = active.mechanism.card();
     (0..active.p.len())
@@ -255,7 +284,9 @@ pub fn discoveries(p_values: &[f64]) -> Vec<bool> {
     order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
     let harmonic: f64 = (1..=m).map(|i| 1.0 / i as f64).sum();
     let level = |rank: usize| THRESHOLDS.false_discovery_rate * rank as f64 / (m as f64 * harmonic);
-    let last = (1..=m).rev().find(|rank| p_values[order[rank - 1]] <= level(*rank));
+    let last = (1..=m)
+        .rev()
+        .find(|rank| p_values[order[rank - 1]] <= level(*rank));
     let mut found = vec![false; m];
     for rank in 0..last.unwrap_or(0) {
         found[order[rank]] = true;
@@ -273,7 +304,9 @@ pub fn correlation(a: &Score, b: &Score) -> f64 {
                 gram[i * k + j] = dot(&s.projected[i], &s.projected[j]);
             }
         }
-        let l = nalgebra::DMatrix::from_row_slice(k, k, &gram).cholesky()?.l();
+        let l = nalgebra::DMatrix::from_row_slice(k, k, &gram)
+            .cholesky()?
+            .l();
         let inverse = l.try_inverse()?;
         Some(
             (0..k)

@@ -22,8 +22,9 @@ fn missing(requirement: Requirement, rides: &[Ride], data: &[RideData]) -> Optio
         high - low
     };
     match requirement {
-        Requirement::Channel(q) => (!channels().any(|c| c.spec.quantity == q && c.samples.len() > 2))
-            .then(|| format!("no {q} in any ride")),
+        Requirement::Channel(q) => (!channels()
+            .any(|c| c.spec.quantity == q && c.samples.len() > 2))
+        .then(|| format!("no {q} in any ride")),
         Requirement::Input(q) => {
             let mut inputs = channels()
                 .filter(|c| c.spec.quantity == q && c.spec.role == Role::Input)
@@ -35,12 +36,15 @@ fn missing(requirement: Requirement, rides: &[Ride], data: &[RideData]) -> Optio
             (!varies).then(|| format!("{q} does not vary in any ride"))
         }
         Requirement::Output(q) => {
-            let known = rides.iter().any(|r| r.sensors.iter().any(|s| s.quantity == q));
+            let known = rides
+                .iter()
+                .any(|r| r.sensors.iter().any(|s| s.quantity == q));
             let input = q == Quantity::Speed && rides.iter().any(|r| r.speed.is_some());
             (!known && !input).then(|| format!("{q} is not compared in any ride"))
         }
-        Requirement::HandsOn => (!rides.iter().any(|r| r.hands_on))
-            .then(|| "no ride with hands = \"on\"".to_owned()),
+        Requirement::HandsOn => {
+            (!rides.iter().any(|r| r.hands_on)).then(|| "no ride with hands = \"on\"".to_owned())
+        }
         Requirement::Rider => rides
             .iter()
             .all(|r| r.rider.is_empty() || r.rider == "none")
@@ -49,8 +53,9 @@ fn missing(requirement: Requirement, rides: &[Ride], data: &[RideData]) -> Optio
             .iter()
             .all(|r| r.laws.is_empty())
             .then(|| "no known feedback law in any ride".to_owned()),
-        Requirement::Road => (!rides.iter().any(|r| r.road))
-            .then(|| "no ride with ground = \"road\"".to_owned()),
+        Requirement::Road => {
+            (!rides.iter().any(|r| r.road)).then(|| "no ride with ground = \"road\"".to_owned())
+        }
         Requirement::Treadmill => rides
             .iter()
             .all(|r| r.road)
@@ -67,12 +72,13 @@ fn missing(requirement: Requirement, rides: &[Ride], data: &[RideData]) -> Optio
             values.sort_by(f64::total_cmp);
             let at = |share: f64| {
                 let index = (share * values.len() as f64) as usize;
-                values.get(index.min(values.len().saturating_sub(1))).copied()
+                values
+                    .get(index.min(values.len().saturating_sub(1)))
+                    .copied()
             };
             let (low, high) = (at(0.05).unwrap_or(0.0), at(0.95).unwrap_or(0.0));
-            (high < ratio * low.max(0.1)).then(|| {
-                format!("speeds from {low:.1} to {high:.1} m/s: too narrow a range")
-            })
+            (high < ratio * low.max(0.1))
+                .then(|| format!("speeds from {low:.1} to {high:.1} m/s: too narrow a range"))
         }
     }
 }

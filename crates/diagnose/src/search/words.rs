@@ -21,20 +21,38 @@ pub fn statements(answer: &Answer) -> Vec<String> {
         Verdict::BadData => "the data is bad; nothing was concluded from it".to_owned(),
     }];
     for fault in &answer.faults {
-        let ride = fault.ride.as_ref().map_or(String::new(), |r| format!("{r}: "));
+        let ride = fault
+            .ride
+            .as_ref()
+            .map_or(String::new(), |r| format!("{r}: "));
         all.push(format!("{ride}{}: {}", fault.channel, fault.reason));
     }
     for cause in &answer.causes {
         let values: Vec<String> = cause
             .parameters
             .iter()
-            .map(|(name, v)| format!("{name} = {:.4} [{:.4}, {:.4}]", v.value, v.ci95[0], v.ci95[1]))
+            .map(|(name, v)| {
+                format!(
+                    "{name} = {:.4} [{:.4}, {:.4}]",
+                    v.value, v.ci95[0], v.ci95[1]
+                )
+            })
             .collect();
-        let state = if cause.confirmed { "confirmed" } else { "provisional" };
+        let state = if cause.confirmed {
+            "confirmed"
+        } else {
+            "provisional"
+        };
         let gain = cause
             .held_out_gain_nats
-            .map_or("no held-out ride".to_owned(), |g| format!("{g:.1} nats on held-out rides"));
-        all.push(format!("{} ({state}): {}; {gain}", cause.mechanism, values.join(", ")));
+            .map_or("no held-out ride".to_owned(), |g| {
+                format!("{g:.1} nats on held-out rides")
+            });
+        all.push(format!(
+            "{} ({state}): {}; {gain}",
+            cause.mechanism,
+            values.join(", ")
+        ));
         if cause.set.len() > 1 {
             all.push(format!(
                 "these rides cannot tell apart: {}",
@@ -46,8 +64,14 @@ pub fn statements(answer: &Answer) -> Vec<String> {
         let band = place
             .band_hz
             .map_or(String::new(), |[a, b]| format!(", {a:.2} to {b:.2} Hz"));
-        let with = place.with.as_ref().map_or(String::new(), |w| format!(", goes with {w}"));
-        all.push(format!("{} equation{band}{with} (p = {:.1e})", place.equation, place.p_value));
+        let with = place
+            .with
+            .as_ref()
+            .map_or(String::new(), |w| format!(", goes with {w}"));
+        all.push(format!(
+            "{} equation{band}{with} (p = {:.1e})",
+            place.equation, place.p_value
+        ));
     }
     if !answer.out_of_tolerance.is_empty() && answer.verdict != Verdict::Tolerance {
         all.push(format!(

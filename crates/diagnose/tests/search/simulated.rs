@@ -19,12 +19,33 @@ pub struct Effect {
     pub steer_per_roll_cubed_nm: f64,
 }
 
+/// How the rides are made.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// Factor on every noise and bias.
+    pub noise: f64,
+    /// Standard deviation of the parameters about the declared ones; 1 % is declared.
+    pub spread: f64,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self {
+            noise: 1.0,
+            spread: 0.01,
+        }
+    }
+}
+
 /// A small generator of random numbers: the tests need the same ones everywhere.
 pub struct Random(u64);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(0x1234_5678_9ABC_DEF1))
+        Self(
+            seed.wrapping_mul(0x9E37_79B9_7F4A_7C15)
+                .wrapping_add(0x1234_5678_9ABC_DEF1),
+        )
     }
 
     fn uniform(&mut self) -> f64 {
@@ -43,7 +64,14 @@ impl Random {
 const STEP_S: f64 = 0.001;
 
 /// One ride as CSV: 100 Hz, speed prescribed.
-fn ride(bicycle: &Bicycle, effect: &Effect, speed: f64, seconds: f64, random: &mut Random) -> String {
+fn ride(
+    bicycle: &Bicycle,
+    effect: &Effect,
+    speed: f64,
+    seconds: f64,
+    random: &mut Random,
+    noise: f64,
+) -> String {
     let canonical = Canonical::new(bicycle).unwrap();
     let (mass, k0) = (canonical.mass(), canonical.k0() * bicycle.parameters.g);
     let mut inertia = mass;
@@ -52,17 +80,21 @@ fn ride(bicycle: &Bicycle, effect: &Effect, speed: f64, seconds: f64, random: &m
     let tones: Vec<[f64; 3]> = (0..14)
         .map(|k| {
             let f = 0.25 * 1.22f64.powi(k);
-            [f * 2.0 * std::f64::consts::PI, 0.5, random.uniform() * 6.283]
+            [
+                f * 2.0 * std::f64::consts::PI,
+                0.5,
+                random.uniform() * 6.283,
+            ]
         })
         .collect();
-    let mut x = [0.02 * random.normal(), 0.0, 0.0, 0.0];
-    let mut yaw_noise = [0.0; 2];
+    let mut x = [0.02 * noise * random.normal(), 0.0, 0.0, 0.0];
+    let mut white_noise = [0.0; 2];
     let mut late = std::collections::VecDeque::new();
     let mut text = String::from("t_s,v,torque,force,roll,steer,roll_rate,yaw_rate\n");
     let ticks = (seconds / STEP_S) as usize;
     let mut torque = 0.0;
     let mut force = 0.0;
-    let mut biases = [0.003, 0.003, 0.005, 0.005].map(|sd| sd * random.normal());
+    let mut biases = [0.003, 0.003, 0.005, 0.005].map(|sd| noise * sd * random.normal());
     biases[1] *= 0.5;
     for k in 0..ticks {
         let t = k as f64 * STEP_S;
@@ -82,26 +114,35 @@ fn ride(bicycle: &Bicycle, effect: &Effect, speed: f64, seconds: f64, random: &m
             while late.len() > 1 && late[1].0 <= t - effect.steer_delay_s + 1e-9 {
                 late.pop_front();
             }
-            let steer = if effect.steer_delay_s > 0.0 { late[0].1 } else { x[1] };
-            let said = torque / if effect.torque_gain > 0.0 { effect.torque_gain } else { 1.0 };
+            let steer = if effect.steer_delay_s > 0.0 {
+                late[0].1
+            } else {
+                x[1]
+            };
+            let said = torque
+                / if effect.torque_gain > 0.0 {
+                    effect.torque_gain
+                } else {
+                    1.0
+                };
             let _ = writeln!(
                 text,
                 "{t:.3},{v:.6},{said:.6},{force:.6},{:.7},{:.7},{:.7},{:.7}",
-                x[0] + biases[0] + 0.003 * random.normal(),
-                steer + biases[1] + 0.002 * random.normal(),
-                gyro + biases[2] + 0.01 * random.normal(),
-                yaw + biases[3] + 0.01 * random.normal(),
+                x[0] + biases[0] + noise * 0.003 * random.normal(),
+                steer + biases[1] + noise * 0.002 * random.normal(),
+                gyro + biases[2] + noise * 0.01 * random.normal(),
+                yaw + biases[3] + noise * 0.01 * random.normal(),
             );
         }
-        for noise in &mut yaw_noise {
-            *noise = random.normal() / STEP_S.sqrt();
+        for white in &mut white_noise {
+            *white = noise * random.normal() / STEP_S.sqrt();
         }
         let damping = canonical.damping(v);
         let stiffness = canonical.stiffness(v, MotorPair::OFF);
         let yaw_arm = canonical.yaw_rate_rad_s(0.0, 0.0, 1.0);
         let mut f = nalgebra::Vector2::new(
-            force * 0.9 + 0.8 * yaw_noise[0],
-            torque + force * 0.3 * yaw_arm + 0.1 * yaw_noise[1],
+            force * 0.9 + 0.8 * white_noise[0],
+            torque + force * 0.3 * yaw_arm + 0.1 * white_noise[1],
         );
         f -= damping * nalgebra::Vector2::new(x[2], x[3])
             + stiffness * nalgebra::Vector2::new(x[0], x[1]);
@@ -125,7 +166,14 @@ fn ride(bicycle: &Bicycle, effect: &Effect, speed: f64, seconds: f64, random: &m
 }
 
 /// Writes rides and study into a folder and gives the study's path.
-pub fn write(folder: &Path, effect: &Effect, rides: [usize; 2], seconds: f64, seed: u64) -> std::path::PathBuf {
+pub fn write(
+    folder: &Path,
+    effect: &Effect,
+    rides: [usize; 2],
+    seconds: f64,
+    seed: u64,
+    setting: Setting,
+) -> std::path::PathBuf {
     let mut random = Random::new(seed + 1);
     for _ in 0..20 {
         random.uniform();
@@ -134,7 +182,9 @@ pub fn write(folder: &Path, effect: &Effect, rides: [usize; 2], seconds: f64, se
     for symbol in twinhub_linear::SYMBOLS {
         let value = bicycle.get(symbol).unwrap();
         if *symbol != "g" && value != 0.0 {
-            bicycle.set(symbol, value * (1.0 + 0.01 * random.normal())).unwrap();
+            bicycle
+                .set(symbol, value * (1.0 + setting.spread * random.normal()))
+                .unwrap();
         }
     }
     let mut study = String::from(
@@ -143,7 +193,11 @@ pub fn write(folder: &Path, effect: &Effect, rides: [usize; 2], seconds: f64, se
     for index in 0..rides[0] + rides[1] {
         let speed = [3.6, 4.6, 5.6, 4.1, 5.1, 4.9, 3.9][index % 7];
         let name = format!("ride_{index}.csv");
-        std::fs::write(folder.join(&name), ride(&bicycle, effect, speed, seconds, &mut random)).unwrap();
+        std::fs::write(
+            folder.join(&name),
+            ride(&bicycle, effect, speed, seconds, &mut random, setting.noise),
+        )
+        .unwrap();
         let usage = if index < rides[0] { "fit" } else { "held_out" };
         let _ = write!(
             study,
@@ -152,10 +206,30 @@ pub fn write(folder: &Path, effect: &Effect, rides: [usize; 2], seconds: f64, se
         for (column, quantity, role, more) in [
             ("v", "speed_m_s", "input", ""),
             ("torque", "steer_torque_nm", "input", "hold = \"zero\"\n"),
-            ("force", "lateral_force_n", "input", "hold = \"zero\"\npoint_m = [0.3, -0.9]\n"),
-            ("roll", "roll_rad", "output", "bias_sd = 0.003\nnoise_sd = 0.003\n"),
-            ("steer", "steer_rad", "output", "bias_sd = 0.003\nnoise_sd = 0.002\n"),
-            ("roll_rate", "roll_rate_rad_s", "output", "bias_sd = 0.005\nnoise_sd = 0.01\n"),
+            (
+                "force",
+                "lateral_force_n",
+                "input",
+                "hold = \"zero\"\npoint_m = [0.3, -0.9]\n",
+            ),
+            (
+                "roll",
+                "roll_rad",
+                "output",
+                "bias_sd = 0.003\nnoise_sd = 0.003\n",
+            ),
+            (
+                "steer",
+                "steer_rad",
+                "output",
+                "bias_sd = 0.003\nnoise_sd = 0.002\n",
+            ),
+            (
+                "roll_rate",
+                "roll_rate_rad_s",
+                "output",
+                "bias_sd = 0.005\nnoise_sd = 0.01\n",
+            ),
             ("yaw_rate", "yaw_rate_rad_s", "output", "bias_sd = 0.005\n"),
         ] {
             let _ = write!(
