@@ -120,6 +120,11 @@ pub trait Mechanism: Sync + std::fmt::Debug {
         0.0
     }
 
+    /// Whether `reading` does anything.
+    fn reads(&self) -> bool {
+        false
+    }
+
     /// Added to the reading of a sensor, beyond what `sensor` says.
     fn reading(&self, _p: &[f64], _quantity: Quantity, _at: &Moment<'_>) -> f64 {
         0.0

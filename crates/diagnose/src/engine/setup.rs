@@ -145,10 +145,7 @@ impl Setup {
                 .sum(),
             pushing,
             memory,
-            reads: plant
-                .active
-                .iter()
-                .any(|a| a.mechanism.card().name == "headset_backlash"),
+            reads: plant.active.iter().any(|a| a.mechanism.reads()),
             plant: plant.clone(),
         }
     }

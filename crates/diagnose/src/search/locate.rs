@@ -24,10 +24,10 @@ use crate::engine::small::dot;
 use crate::engine::{Model, Pass, Ride};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Frequencies from 0.1 to 8 Hz, eight a factor of two.
+/// Frequencies from 0.1 to 8 Hz, four a factor of two.
 fn frequencies() -> Vec<f64> {
-    (0..=50)
-        .map(|k| 0.1 * libm::pow(2.0, f64::from(k) / 8.0))
+    (0..=25)
+        .map(|k| 0.1 * libm::pow(2.0, f64::from(k) / 4.0))
         .collect()
 }
 
@@ -145,8 +145,8 @@ pub fn fill(answer: &mut Answer, fit: &Rides, before: &Model, found: &Found) {
         for place in answer.places.iter_mut().filter(|p| p.equation == equation) {
             if p_value < THRESHOLDS.band_p_value {
                 place.band_hz = Some([
-                    grid[low] / libm::pow(2.0, 1.0 / 16.0),
-                    grid[high] * libm::pow(2.0, 1.0 / 16.0),
+                    grid[low] / libm::pow(2.0, 1.0 / 8.0),
+                    grid[high] * libm::pow(2.0, 1.0 / 8.0),
                 ]);
             }
         }

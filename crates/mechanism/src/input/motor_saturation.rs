@@ -13,6 +13,7 @@
 use crate::card::{Card, Equation, Family, Param, Requirement};
 use crate::hooks::{InputModel, Mechanism};
 use crate::quantity::Quantity;
+use twinhub_linear::Parameters;
 
 /// See the module.
 #[derive(Debug)]
@@ -30,8 +31,8 @@ static CARD: Card = Card {
         null: 200.0,
         least: 1.0,
         most: 200.0,
-        probe: -5.0,
-        starts: &[40.0, 20.0, 10.0, 5.0],
+        probe: -190.0,
+        starts: &[30.0, 20.0, 15.0, 10.0, 7.0, 5.0],
         about: "largest torque",
     }],
     requires: &[Requirement::Input(Quantity::RearTraction)],
@@ -43,6 +44,11 @@ impl Mechanism for MotorSaturation {
     fn card(&self) -> &'static Card {
         &CARD
     }
+    fn from_probes(&self, c: &[f64], _bicycle: &Parameters) -> Vec<f64> {
+        // The probe is a hard limit; how hard the true one is comes from the grid.
+        vec![if c[0] > 0.0 { 12.0 } else { 200.0 }]
+    }
+
     fn input(&self, p: &[f64], quantity: Quantity, model: &mut InputModel) {
         if matches!(quantity, Quantity::FrontBrake | Quantity::RearTraction) {
             model.limit = model.limit.min(p[0]);

@@ -49,6 +49,10 @@ impl Mechanism for HeadsetBacklash {
     fn card(&self) -> &'static Card {
         &CARD
     }
+    fn reads(&self) -> bool {
+        true
+    }
+
     fn reading(&self, p: &[f64], quantity: Quantity, at: &Moment<'_>) -> f64 {
         let torque = at.inputs.steer_torque_nm;
         match quantity {
