@@ -208,6 +208,14 @@ impl Course {
         course
     }
 
+    /// Inputs as a sensor meets them at the end of a step: one that is held has its new value there.
+    pub fn met(&self, index: usize) -> &Ends {
+        match self.steps.get(index + 1) {
+            Some(next) if !next.fresh => &next.from,
+            _ => &self.steps[index].to,
+        }
+    }
+
     /// The same events with other inputs.
     pub fn refilled(&self, ride: &Ride, setup: &Setup) -> Self {
         let truth = Truth::new(ride, setup);

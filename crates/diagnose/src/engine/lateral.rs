@@ -467,6 +467,7 @@ impl Work<'_> {
         let (n, nd) = (self.layout.states, self.layout.dynamic);
         let (setup, ride, h) = (self.setup, self.ride, step.dt_s);
         let start_s = step.t_s - h;
+        let to = &to.at_end();
         self.before.copy_from_slice(&self.x);
         let pushed = state::is_pushed(setup, ride);
         let feedback = !ride.laws.is_empty()
@@ -483,8 +484,8 @@ impl Work<'_> {
         };
         let mid_pace = Pace {
             speed_m_s: 0.5 * (from.speed_m_s + to.speed_m_s),
-            accel_m_s2: to.accel_m_s2,
             travel_m: from.travel_m,
+            ..*to
         };
         let x0: [f64; 4] = std::array::from_fn(|i| self.x[i]);
         let mut slope = None;
@@ -629,7 +630,7 @@ impl Work<'_> {
             let n = self.layout.states;
             if step.dt_s == 0.0 && !drawn {
                 // A is needed by accelerometers only.
-                let b = Balance::new(self.setup, &step.to, pace);
+                let b = Balance::new(self.setup, course.met(index), pace);
                 self.fill_a(&b, None, pace);
                 drawn = true;
             }
@@ -647,8 +648,8 @@ impl Work<'_> {
                 }
                 None => {
                     self.truth_row(reading.sensor, pace, &mut row);
-                    let b =
-                        *balance.get_or_insert_with(|| Balance::new(self.setup, &step.to, pace));
+                    let b = *balance
+                        .get_or_insert_with(|| Balance::new(self.setup, course.met(index), pace));
                     let accel = if sensor.quantity == Quantity::LateralAccel {
                         self.accel(&b, &self.x)
                     } else {

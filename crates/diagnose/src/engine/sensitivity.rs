@@ -58,6 +58,7 @@ impl Side<'_> {
         } else {
             (&step.to, step.t_s)
         };
+        let pace = &if start { *pace } else { pace.at_end() };
         let balance = Balance::new(self.setup, ends, pace);
         let mut torque = balance.net(x);
         for (i, latent) in self.layout.latent.iter().enumerate() {
@@ -149,6 +150,7 @@ pub fn change(
                 Pace {
                     speed_m_s: ends.speed_m_s,
                     accel_m_s2: ends.accel_m_s2,
+                    ending_m_s2: ends.accel_m_s2,
                     ..*pace
                 }
             } else {
@@ -156,6 +158,7 @@ pub fn change(
                 Pace {
                     speed_m_s: pace.speed_m_s + v,
                     accel_m_s2: pace.accel_m_s2 + acc,
+                    ending_m_s2: pace.ending_m_s2 + acc,
                     ..*pace
                 }
             }
@@ -211,7 +214,7 @@ pub fn change(
                     - m0.offset
             } else {
                 let tell = |setup: &Setup, course: &Course, pace: &Pace, slip: f64| {
-                    let ends = &course.steps[index].to;
+                    let ends = course.met(index);
                     let accel =
                         setup.plant.body.mass_inverse * Balance::new(setup, ends, pace).net(x1);
                     let at = state::moment(setup, ride, ends, pace, x1, accel, step.t_s, step.dt_s);
@@ -286,6 +289,9 @@ fn speed_changes(
         let base = speed::acceleration(s0, ride, e0, predicted, t, &m0);
         let there = speed::acceleration(s1, ride, e1, predicted, t, &m1);
         let a1 = there[0] - base[0];
+        let (met0, met1) = (course.met(index), other.met(index));
+        let base = speed::acceleration(s0, ride, met0, predicted, t, &m0);
+        let there = speed::acceleration(s1, ride, met1, predicted, t, &m1);
         if h > 0.0 {
             dx[0] = record.phi_speed[index] * dx[0] + 0.5 * h * (a0 + a1);
         }

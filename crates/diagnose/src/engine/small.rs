@@ -121,7 +121,11 @@ impl Flow {
         let one = self.phi.clone();
         let (held, ramp) = (self.held.clone(), self.ramp.clone());
         // exp over half of the parts: from b itself, or from b after half a part.
-        let mut half = if parts % 2 == 0 { columns.clone() } else { self.half.clone() };
+        let mut half = if parts % 2 == 0 {
+            columns.clone()
+        } else {
+            self.half.clone()
+        };
         for done in 1..parts {
             let share = done as f64;
             for c in 0..2 {

@@ -107,6 +107,7 @@ pub fn run(
             }
             pace.speed_m_s = step.to.speed_m_s;
             pace.accel_m_s2 = step.to.accel_m_s2;
+            pace.ending_m_s2 = step.to.accel_m_s2;
             pace.travel_m += pace.speed_m_s * step.dt_s;
             paces.push(pace);
             pass.record_pace(0.0, &pace);
@@ -126,7 +127,7 @@ pub fn run(
     }
     let level = model.levels.process[2] / setup.plant.body.effective_mass_kg;
     let memory = vec![0.0; setup.memory];
-    for step in &course.steps {
+    for (index, step) in course.steps.iter().enumerate() {
         if step.fresh {
             x[0] = 5.0;
             for j in 0..n {
@@ -156,7 +157,7 @@ pub fn run(
                 p[j * n] = p[j];
             }
         }
-        let [a, gravity] = at(&step.to, x[0], step.t_s);
+        let [a, gravity] = at(course.met(index), x[0], step.t_s);
         for r in step.readings.clone() {
             let reading = &course.readings[r];
             let spec = &ride.sensors[reading.sensor];
@@ -196,6 +197,7 @@ pub fn run(
         }
         pace.speed_m_s = x[0];
         pace.accel_m_s2 = a;
+        pace.ending_m_s2 = at(&step.to, x[0], step.t_s)[0];
         pace.travel_m += x[0] * h;
         paces.push(pace);
         pass.record_pace(phi, &pace);
@@ -215,12 +217,13 @@ pub fn free_run(
 ) {
     let memory = vec![0.0; setup.memory];
     let mut v = from_m_s;
-    for step in &course.steps[steps] {
+    for index in steps {
+        let step = &course.steps[index];
         let (h, t) = (step.dt_s, step.t_s);
         let a0 = acceleration(setup, ride, &step.from, v, t - h, &memory)[0];
         let a1 = acceleration(setup, ride, &step.to, v + a0 * h, t, &memory)[0];
         v += 0.5 * h * (a0 + a1);
-        let [a, gravity] = acceleration(setup, ride, &step.to, v, t, &memory);
+        let [a, gravity] = acceleration(setup, ride, course.met(index), v, t, &memory);
         for r in step.readings.clone() {
             let sensor = course.readings[r].sensor;
             let spec = &ride.sensors[sensor];

@@ -12,8 +12,21 @@ use twinhub_mechanism::{Inputs, Moment, SensorModel, Wrench};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     pub speed_m_s: f64,
+    /// Just after the end of the step, with the inputs that a sensor meets.
     pub accel_m_s2: f64,
+    /// Just before it.
+    pub ending_m_s2: f64,
     pub travel_m: f64,
+}
+
+impl Pace {
+    /// As the step ends, before inputs that are held take their new values.
+    pub fn at_end(&self) -> Self {
+        Self {
+            accel_m_s2: self.ending_m_s2,
+            ..*self
+        }
+    }
 }
 
 /// The motors' part in the lateral equations: the front brake as it is, the rear such that the
