@@ -656,7 +656,14 @@ impl Work<'_> {
                         Vector2::zeros()
                     };
                     let at = state::moment(
-                        self.setup, self.ride, &step.to, pace, &self.x, accel, step.t_s, step.dt_s,
+                        self.setup,
+                        self.ride,
+                        course.met(index),
+                        pace,
+                        &self.x,
+                        accel,
+                        step.t_s,
+                        step.dt_s,
                     );
                     let heading = if self.layout.heading {
                         self.x[HEADING]

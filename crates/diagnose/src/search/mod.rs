@@ -9,6 +9,7 @@ mod gain;
 mod greedy;
 mod limits;
 mod locate;
+mod modes;
 pub mod pictures;
 mod probe;
 mod refit;

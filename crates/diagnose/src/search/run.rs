@@ -79,6 +79,9 @@ pub fn diagnose_in(
     options: &Options,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Answer, DiagnoseError> {
+    if study.rides.is_empty() && !study.modes.is_empty() {
+        return super::modes::diagnose_modes(study, folders, &library(options)?);
+    }
     let mut data = vec![];
     for ride in &study.rides {
         progress(&format!("reading {}", ride.file));
@@ -109,7 +112,7 @@ fn channel_of(error: &DataError) -> String {
 }
 
 /// An answer with nothing in it yet.
-fn empty(study: &Study, verdict: Verdict) -> Answer {
+pub(super) fn empty(study: &Study, verdict: Verdict) -> Answer {
     Answer {
         schema_version: 1,
         tool: format!("twinhub {}", env!("CARGO_PKG_VERSION")),
