@@ -12,7 +12,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("twinhub-types", &[]),
     ("twinhub-control", &["twinhub-types"]),
     ("twinhub-linear", &["twinhub-types"]),
-    ("twinhub-plant", &["twinhub-types", "twinhub-linear"]),
+    ("twinhub-mechanism", &["twinhub-types", "twinhub-linear"]),
+    (
+        "twinhub-plant",
+        &["twinhub-types", "twinhub-linear", "twinhub-mechanism"],
+    ),
     ("twinhub-link", &["twinhub-types"]),
     ("twinhub-log", &["twinhub-types"]),
     (
@@ -32,6 +36,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "twinhub-types",
             "twinhub-linear",
+            "twinhub-mechanism",
             "twinhub-plant",
             "twinhub-ident",
             "twinhub-log",

@@ -139,6 +139,13 @@ fn catalogue(bicycle: &Parameters) -> Vec<(&'static str, Vec<Entry>)> {
                 .collect(),
         ),
         (
+            "mechanisms",
+            twinhub_mechanism::ALL
+                .iter()
+                .map(|m| entry(m.card().name, m.card().claim))
+                .collect(),
+        ),
+        (
             "health",
             twinhub_types::Health::TABLE
                 .iter()
@@ -232,6 +239,7 @@ fn explanations(name: &str) -> Vec<String> {
     }
     texts.extend(bicycle_text(name));
     texts.extend(parameter_text(name));
+    texts.extend(twinhub_mechanism::find(name).map(|m| m.card().to_string()));
     if let Some(h) = twinhub_types::Health::TABLE.iter().find(|h| h.code == name) {
         texts.push(format!(
             "health flag {name}\nCause: {}\nThe rider is told: {}\nClears: {}",

@@ -8,6 +8,9 @@ mod doctor;
 mod exit;
 mod link_args;
 mod map;
+mod diagnose;
+mod diagnose_page;
+mod experiment;
 mod modes;
 mod processes;
 mod registries;
@@ -49,6 +52,10 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Measured rides against the model: how wrong it is, and where
     Compare(compare::CompareArgs),
+    /// What the model gets wrong about measured rides, why, and what mending it gains
+    Diagnose(diagnose::DiagnoseArgs),
+    /// What rides like these could show, and what they could not tell apart
+    Experiment(experiment::ExperimentArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
@@ -108,6 +115,8 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Soak(args) => soak::run(&args),
         Command::Torture(args) => torture::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
+        Command::Experiment(args) => experiment::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

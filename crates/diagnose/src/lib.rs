@@ -6,8 +6,10 @@
 
 pub mod compare;
 pub mod data;
-pub mod quantity;
+pub mod engine;
+pub mod search;
 pub mod study;
 
-pub use quantity::Quantity;
+pub use search::{Answer, DiagnoseError, Options, Verdict, diagnose, diagnose_in};
 pub use study::{Study, StudyError};
+pub use twinhub_mechanism::{Quantity, quantity};

@@ -1,5 +1,6 @@
 //! A bicycle: its parameters, where they come from, and how sure they are.
 
+use crate::added::{Added, NamedMechanism};
 use crate::error::BicycleError;
 use crate::parameters::{Parameters, SYMBOLS};
 use std::collections::BTreeMap;
@@ -18,6 +19,10 @@ pub struct Bicycle {
     pub standard_deviations: BTreeMap<&'static str, f64>,
     /// What is doubtful about the values, or was chosen in reading them.
     pub remarks: Vec<String>,
+    /// What it has beyond rigid bodies.
+    pub added: Added,
+    /// Causes that a diagnosis accepted.
+    pub mechanisms: Vec<NamedMechanism>,
 }
 
 /// The schema of a bicycle file.
@@ -30,6 +35,10 @@ struct File {
     parameters: Parameters,
     #[serde(default)]
     standard_deviations: BTreeMap<String, f64>,
+    #[serde(default)]
+    added: Added,
+    #[serde(default)]
+    mechanism: Vec<NamedMechanism>,
 }
 
 impl Bicycle {
@@ -42,6 +51,8 @@ impl Bicycle {
             parameters,
             standard_deviations: BTreeMap::new(),
             remarks,
+            added: Added::NONE,
+            mechanisms: vec![],
         })
     }
 
@@ -75,7 +86,7 @@ impl Bicycle {
     }
 
     /// Reads the text of a bicycle file (`schema_version`, `name`, `source`, `[parameters]` with
-    /// every symbol, optional `[standard_deviations]`).
+    /// every symbol, optional `[standard_deviations]`, `[added]` matrices and `[[mechanism]]`).
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, BicycleError> {
         let toml = |message: String| BicycleError::Toml {
             path: path.to_owned(),
@@ -94,6 +105,14 @@ impl Bicycle {
             source: Box::new(source),
         };
         let mut bicycle = Self::new(&file.name, &file.source, file.parameters).map_err(in_file)?;
+        if !file.added.is_finite() {
+            return Err(toml("added: accepted: finite numbers".to_owned()));
+        }
+        bicycle.added = file.added;
+        for mechanism in &file.mechanism {
+            bicycle.remarks.push(format!("extended by {}", mechanism.name));
+        }
+        bicycle.mechanisms = file.mechanism;
         for (symbol, sd) in &file.standard_deviations {
             let Some(known) = SYMBOLS.iter().find(|s| *s == symbol) else {
                 return Err(in_file(BicycleError::UnknownSymbol {
@@ -129,6 +148,18 @@ impl Bicycle {
             for (symbol, sd) in &self.standard_deviations {
                 text += &format!("{symbol} = {sd:?}\n");
             }
+        }
+        if self.added != Added::NONE {
+            text += &format!(
+                "\n[added]\nmass_kg_m2 = {:?}\ndamping_nms_rad = {:?}\nstiffness_nm_rad = {:?}\n",
+                self.added.mass_kg_m2, self.added.damping_nms_rad, self.added.stiffness_nm_rad
+            );
+        }
+        for mechanism in &self.mechanisms {
+            let table = toml::to_string(mechanism).unwrap_or_default();
+            // Sub-tables belong to this entry of the list.
+            let table = table.replace("\n[", "\n[mechanism.");
+            text += &format!("\n[[mechanism]]\n{table}");
         }
         text
     }

@@ -13,6 +13,7 @@
 //! Checked by: eigenvalues of table 2 of the paper (1e-12 relative + 2e-14); a nonlinear model of
 //! its own in `tests/linear/no_slip.rs` (1e-6; reached 1e-9).
 
+use crate::added::matrix;
 use crate::bicycle::Bicycle;
 use crate::error::BicycleError;
 use crate::motor_pair::{MotorPair, PairCoefficients};
@@ -27,6 +28,9 @@ pub struct Canonical {
     k0: Matrix2<f64>,
     k2: Matrix2<f64>,
     g: f64,
+    /// Beyond rigid bodies: damping and stiffness at any speed.
+    added_damping: Matrix2<f64>,
+    added_stiffness: Matrix2<f64>,
     /// Yaw rate per speed and steer angle, cos(lam)/w; and per steer rate.
     yaw: [f64; 2],
     pair: PairCoefficients,
@@ -90,7 +94,8 @@ impl Canonical {
         let SA = mA * uA + mu * mxT;
         // The matrices (A 20)-(A 24).
         let Mxd = IAlx + mu * ITxz;
-        let m = Matrix2::new(ITxx, Mxd, Mxd, IAll + 2.0 * mu * IAlz + mu * mu * ITzz);
+        let m = Matrix2::new(ITxx, Mxd, Mxd, IAll + 2.0 * mu * IAlz + mu * mu * ITzz)
+            + matrix(&bicycle.added.mass_kg_m2);
         let k0 = Matrix2::new(mzT, -SA, -SA, -SA * sin);
         let k2 = Matrix2::new(
             0.0,
@@ -104,7 +109,7 @@ impl Canonical {
             -(mu * ST + SF * cos),
             IAlz / p.w * cos + mu * (SA + ITzz / p.w * cos),
         );
-        let det = m[(0, 0)] * m[(1, 1)] - Mxd * Mxd;
+        let det = m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)];
         let rcond = det / (m[(0, 0)] * m[(1, 1)]);
         if !(rcond > LEAST_RCOND && m[(0, 0)] > 0.0) {
             let rcond = if rcond.is_finite() { rcond } else { 0.0 };
@@ -113,7 +118,12 @@ impl Canonical {
                 rcond,
             });
         }
-        let m_inverse = Matrix2::new(m[(1, 1)] / det, -Mxd / det, -Mxd / det, m[(0, 0)] / det);
+        let m_inverse = Matrix2::new(
+            m[(1, 1)] / det,
+            -m[(0, 1)] / det,
+            -m[(1, 0)] / det,
+            m[(0, 0)] / det,
+        );
         let pair = PairCoefficients::new(p, mT, mzT, mA * uA, SA, SF, ST, mu, &c1);
         Ok(Self {
             m,
@@ -122,6 +132,8 @@ impl Canonical {
             k0,
             k2,
             g: p.g,
+            added_damping: matrix(&bicycle.added.damping_nms_rad),
+            added_stiffness: matrix(&bicycle.added.stiffness_nm_rad),
             yaw: [cos / p.w, mu],
             pair,
         })
@@ -132,16 +144,17 @@ impl Canonical {
         self.m
     }
 
-    /// v C1, N m s.
+    /// v C1 and what is added to it, N m s.
     pub fn damping(&self, speed_m_s: f64) -> Matrix2<f64> {
-        self.c1 * speed_m_s
+        self.c1 * speed_m_s + self.added_damping
     }
 
-    /// g K0 + v² K2 and the pair's part, N m.
+    /// g K0 + v² K2, the pair's part and what is added, N m.
     pub fn stiffness(&self, speed_m_s: f64, pair: MotorPair) -> Matrix2<f64> {
         let [roll_steer, steer_steer] = self.pair.stiffness(pair);
         self.k0 * self.g
             + self.k2 * (speed_m_s * speed_m_s)
+            + self.added_stiffness
             + Matrix2::new(0.0, roll_steer, 0.0, steer_steer)
     }
 

@@ -60,6 +60,9 @@ fn speeds(mut p: Vec<Double>) -> Vec<f64> {
 impl Canonical {
     /// All speeds above zero at which an eigenvalue crosses the imaginary axis, ascending.
     pub fn critical_speeds_m_s(&self, pair: MotorPair) -> Vec<(f64, Crossing)> {
+        if self.damping(0.0) != nalgebra::Matrix2::zeros() {
+            return self.scanned_critical_speeds_m_s(pair);
+        }
         let (m, c1, k2) = (self.mass(), self.c1(), self.k2());
         let k = self.stiffness(0.0, pair);
         // det(M s² + v C1 s + K + v² K2): coefficients as polynomials in v², a1 and a3 less one v.
@@ -88,6 +91,60 @@ impl Canonical {
                 .filter(|v| frequency_squared(*v) > 0.0)
                 .map(|v| (v, Crossing::Oscillation)),
         );
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    }
+
+    /// The same with damping at standstill, where the coefficients are no polynomials in v²: sign
+    /// changes of the last coefficient and of Hurwitz's determinant on a grid, then bisection.
+    fn scanned_critical_speeds_m_s(&self, pair: MotorPair) -> Vec<(f64, Crossing)> {
+        const FASTEST_M_S: f64 = 60.0;
+        const STEPS: u32 = 6000;
+        let coefficients = |v: f64| {
+            let (m, c, k) = (self.mass(), self.damping(v), self.stiffness(v, pair));
+            let det = |a: &nalgebra::Matrix2<f64>, b: &nalgebra::Matrix2<f64>| {
+                a[(0, 0)] * b[(1, 1)] - a[(0, 1)] * b[(1, 0)]
+            };
+            let mixed =
+                |a: &nalgebra::Matrix2<f64>, b: &nalgebra::Matrix2<f64>| det(a, b) + det(b, a);
+            [
+                det(&m, &m),
+                mixed(&m, &c),
+                mixed(&m, &k) + det(&c, &c),
+                mixed(&c, &k),
+                det(&k, &k),
+            ]
+        };
+        let divergence = |v: f64| coefficients(v)[4];
+        let oscillation = |v: f64| {
+            let [a4, a3, a2, a1, a0] = coefficients(v);
+            a1 * (a2 * a3 - a1 * a4) - a0 * a3 * a3
+        };
+        let mut all = vec![];
+        let mut scan = |f: &dyn Fn(f64) -> f64, kind: Crossing| {
+            let at = |k: u32| FASTEST_M_S * f64::from(k) / f64::from(STEPS);
+            for k in 0..STEPS {
+                let (mut low, mut high) = (at(k), at(k + 1));
+                if f(low).signum() == f(high).signum() {
+                    continue;
+                }
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if f(middle).signum() == f(low).signum() {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let v = 0.5 * (low + high);
+                let [_, a3, _, a1, _] = coefficients(v);
+                if v > 0.0 && (kind == Crossing::Divergence || a1 / a3 > 0.0) {
+                    all.push((v, kind));
+                }
+            }
+        };
+        scan(&divergence, Crossing::Divergence);
+        scan(&oscillation, Crossing::Oscillation);
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all
     }

@@ -12,6 +12,7 @@
 //! # Ok::<(), twinhub_linear::BicycleError>(())
 //! ```
 
+mod added;
 mod benchmark_file;
 mod bicycle;
 mod bulsink;
@@ -31,6 +32,7 @@ mod rigid_body;
 pub mod sets;
 mod validate;
 
+pub use added::{Added, NamedMechanism};
 pub use bicycle::Bicycle;
 pub use canonical::Canonical;
 pub use critical::Crossing;

@@ -8,7 +8,8 @@
 //! Assumes and ignores: small roll and steer, rigid rider (torques on trunk and legs do nothing), no
 //! tyre slip, flat road that does not move, still air. Rolling
 //! resistance is a constant force, air drag ½ ρ C_d A v². Both wheels' loads are the static ones
-//! with the load transfer of the acceleration.
+//! with the load transfer of the acceleration. Causes that the bicycle's file names
+//! (`twinhub_mechanism`) push as they do in a diagnosis.
 //!
 //! Valid for: roll below about 0.5 rad; beyond `fall_roll_rad` the ride ends.
 //!
@@ -19,6 +20,7 @@ use crate::truth::{PlantInput, PlantModel, Truth};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use twinhub_linear::{Bicycle, BicycleError, Canonical, MotorPair};
+use twinhub_mechanism::{Body, Inputs, Mechanism, Moment, Wrench};
 use twinhub_types::conventions::GRAVITY_M_S2;
 
 /// Resistance to rolling and to air.
@@ -48,6 +50,90 @@ pub struct Benchmark {
     input: PlantInput,
     /// Time derivatives at the end of the last step, for the accelerometer.
     rate: [f64; 8],
+    /// What pushes besides; none for a bicycle that no diagnosis has extended.
+    causes: Option<Causes>,
+}
+
+/// Named causes with their memories.
+#[derive(Clone, Debug)]
+struct Causes {
+    body: Body,
+    list: Vec<(&'static dyn Mechanism, Vec<f64>)>,
+    memory: Vec<Vec<f64>>,
+    t_s: f64,
+    travel_m: f64,
+    step_s: f64,
+    fresh: bool,
+}
+
+impl Causes {
+    fn new(bicycle: &Bicycle) -> Result<Option<Self>, BicycleError> {
+        let list = twinhub_mechanism::extended::pushing(bicycle).map_err(|e| {
+            BicycleError::Toml {
+                path: bicycle.name.clone().into(),
+                message: e.to_string(),
+            }
+        })?;
+        if list.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            body: Body::new(bicycle)?,
+            memory: list.iter().map(|(m, _)| vec![0.0; m.memory()]).collect(),
+            list,
+            t_s: 0.0,
+            travel_m: 0.0,
+            step_s: 1e-3,
+            fresh: true,
+        }))
+    }
+
+    fn moment(&self, x: &[f64; 8], accel: Vector2<f64>, forward: f64, input: &PlantInput) -> Moment<'_> {
+        Moment {
+            body: &self.body,
+            t_s: self.t_s,
+            dt_s: self.step_s,
+            speed_m_s: x[7],
+            accel_m_s2: forward,
+            travel_m: self.travel_m,
+            angle_rad: [x[0], x[1]],
+            rate_rad_s: [x[2], x[3]],
+            accel_rad_s2: [accel.x, accel.y],
+            inputs: Inputs {
+                roll_torque_nm: input.roll_torque_nm,
+                steer_torque_nm: input.steer_torque_nm,
+                front_brake_nm: input.front_brake_nm,
+                rear_traction_nm: input.rear_traction_nm,
+            },
+            crank_rad: None,
+            wheel_rad: None,
+            trunk_lean_rad: None,
+        }
+    }
+
+    fn wrench(&self, at: &Moment<'_>) -> Wrench {
+        let mut sum = Wrench::default();
+        for ((mechanism, p), memory) in self.list.iter().zip(&self.memory) {
+            sum += mechanism.wrench(p, at, memory);
+        }
+        sum
+    }
+
+    /// Moves the memories over a step that begins at `at`.
+    fn remember(&mut self, x: &[f64; 8], accel: Vector2<f64>, forward: f64, input: &PlantInput) {
+        let mut memory = std::mem::take(&mut self.memory);
+        let at = self.moment(x, accel, forward, input);
+        for ((mechanism, p), memory) in self.list.iter().zip(&mut memory) {
+            if self.fresh {
+                mechanism.remember(p, &at, memory, true);
+            }
+            mechanism.remember(p, &at, memory, false);
+        }
+        self.memory = memory;
+        self.fresh = false;
+        self.t_s += self.step_s;
+        self.travel_m += x[7] * self.step_s;
+    }
 }
 
 /// Half of a right angle: the linear equations say nothing beyond it.
@@ -87,6 +173,7 @@ impl Benchmark {
             state: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, speed_m_s],
             input: PlantInput::default(),
             rate: [0.0; 8],
+            causes: Causes::new(bicycle)?,
         };
         plant.rate = plant.derivative(&plant.state);
         Ok(plant)
@@ -132,16 +219,30 @@ impl Benchmark {
                     * yaw_per_steer,
         );
         let (angle, rate) = (Vector2::new(x[0], x[1]), Vector2::new(x[2], x[3]));
-        let accel = self
+        let mut accel = self
             .canonical
             .acceleration(speed, pair, angle, rate, torque);
+        let mut acceleration = acceleration;
+        let mut slip = 0.0;
+        if let Some(causes) = &self.causes {
+            let wrench = causes.wrench(&causes.moment(x, accel, acceleration, &self.input));
+            acceleration += wrench.force_n / self.effective_mass_kg;
+            slip = wrench.yaw_rate_rad_s;
+            accel = self.canonical.acceleration(
+                speed,
+                pair,
+                angle,
+                rate,
+                torque + Vector2::new(wrench.roll_nm, wrench.steer_nm),
+            );
+        }
         let (sin_yaw, cos_yaw) = libm::sincos(yaw);
         [
             x[2],
             x[3],
             accel.x,
             accel.y,
-            self.canonical.yaw_rate_rad_s(speed, x[1], x[3]),
+            self.canonical.yaw_rate_rad_s(speed, x[1], x[3]) + slip,
             speed * cos_yaw,
             speed * sin_yaw,
             acceleration,
@@ -161,6 +262,13 @@ impl PlantModel for Benchmark {
     fn step(&mut self, input: &PlantInput, step_s: f64) {
         self.input = *input;
         let mut x = self.state;
+        if let Some(mut causes) = self.causes.take() {
+            causes.step_s = step_s;
+            self.causes = None;
+            let bare = self.derivative(&x);
+            causes.remember(&x, Vector2::new(bare[2], bare[3]), bare[7], input);
+            self.causes = Some(causes);
+        }
         rk4(&mut x, step_s, |x, dx| *dx = self.derivative(x));
         x[7] = x[7].max(0.0);
         self.state = x;
@@ -294,6 +402,34 @@ mod tests {
             brake.truth().speed_m_s
         );
         assert!(brake.truth().front_load_n > pair.truth().front_load_n);
+    }
+
+    /// Friction that a bicycle's file names holds its steering still.
+    #[test]
+    fn named_causes_act() {
+        let base = Bicycle::load("meijaard2007_benchmark").expect("built in");
+        let friction = twinhub_mechanism::Accepted {
+            mechanism: twinhub_mechanism::find("steer_coulomb_friction").expect("in the list"),
+            confirmed: true,
+            p: vec![5.0],
+            sd: vec![],
+        };
+        let extended =
+            twinhub_mechanism::extended::extended(&base, "rubs", "a test", &[friction]).expect("valid");
+        let mut plant = Benchmark::new(&extended, FREE, 5.0).expect("valid");
+        let pull = PlantInput {
+            steer_torque_nm: 3.0,
+            ..PlantInput::default()
+        };
+        for _ in 0..100 {
+            plant.step(&pull, 0.001);
+        }
+        assert!(plant.truth().steer_rad.abs() < 1e-3, "{}", plant.truth().steer_rad);
+        let mut bare = Benchmark::new(&base, FREE, 5.0).expect("valid");
+        for _ in 0..100 {
+            bare.step(&pull, 0.001);
+        }
+        assert!(bare.truth().steer_rad > 0.02);
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod axis;
 pub mod blind;
 pub mod chart;
 pub mod compare;
+pub mod diagnose;
 pub mod line;
 pub mod map_picture;
 pub mod modes_picture;

@@ -170,7 +170,7 @@ impl Problem {
 }
 
 /// Where the noise of a channel may lie: about its second differences, within its own spread.
-fn noise_range(values: &[f64]) -> Option<Range> {
+pub(crate) fn noise_range(values: &[f64]) -> Option<Range> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let sd = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt();

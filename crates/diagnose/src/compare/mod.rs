@@ -6,11 +6,12 @@
 //! of the runs stands beside it, and so does the yardstick: holding the last reading.
 
 mod build;
+pub(crate) use build::noise_range;
 mod kinematics;
 mod result;
 mod words;
 
-pub use kinematics::Relation;
+pub use kinematics::{Relation, relations};
 pub use result::{ChannelResult, Comparison, HorizonResult, Noise, RideTrace, Trace, Worst};
 
 use crate::data::RideData;

@@ -1,0 +1,735 @@
+//! What: one pass of the predictor over the lateral motion of a ride.
+//!
+//! Equation: x = (roll, steer, their rates, [heading], [latent torques], [recorders' filters]) with
+//! constant biases behind; M q'' = torque + wrench(x) - C q' - K q. Within a step the wrench is
+//! J x + rest: J moves with the state, the rest is held (and corrected to a straight line once the
+//! end of the step is known). Covariance and gain follow from the linear part; readings are taken
+//! one after the other.
+//!
+//! Source: Harvey (1989), chapter 3, for the filter; statistical linearisation of the wrench by
+//! central differences over one standard deviation of the state: A. Gelb, Applied Optimal
+//! Estimation (1974), section 6.2.
+//!
+//! Assumes and ignores: small angles; noises white; a mechanism with a memory is driven by the
+//! predicted state and left out of the covariance.
+//!
+//! Valid for: readings in the order of time.
+//!
+//! Checked by: `tests` of the engine: consistency on simulated rides, sensitivities against
+//! differences.
+
+use super::course::{Course, MOST_DRIVES};
+use super::pass::{Pass, Recorded};
+use super::ride::Ride;
+use super::setup::{Model, Setup};
+use super::small::{Flow, dot, mul_vec};
+use super::state::{self, Balance, Pace, Which};
+use crate::quantity::Quantity;
+use nalgebra::{Matrix2, Vector2};
+use twinhub_mechanism::Moment;
+
+pub const HEADING: usize = 4;
+
+/// Which state is what.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pub heading: bool,
+    pub latent: [Option<usize>; 2],
+    /// First filter state of each sensor.
+    pub filters: Vec<Option<usize>>,
+    pub dynamic: usize,
+    pub sensor_bias: Vec<Option<usize>>,
+    pub drive_bias: Vec<Option<usize>>,
+    pub states: usize,
+}
+
+impl Layout {
+    pub fn new(ride: &Ride, model: &Model) -> Self {
+        let heading = ride.sensors.iter().any(|s| s.quantity == Quantity::Yaw);
+        let mut next = 4 + usize::from(heading);
+        let latent = [0, 1].map(|i| {
+            model.latent[i].map(|_| {
+                next += 1;
+                next - 1
+            })
+        });
+        let filters = ride
+            .sensors
+            .iter()
+            .map(|s| {
+                let count = usize::from(s.lag_s > 0.0) + 2 * usize::from(s.moving_average_s > 0.0);
+                let first = (count > 0 && !s.is_longitudinal()).then_some(next);
+                if first.is_some() {
+                    next += count;
+                }
+                first
+            })
+            .collect();
+        let dynamic = next;
+        let mut take = |sd: f64| {
+            (sd > 0.0).then(|| {
+                next += 1;
+                next - 1
+            })
+        };
+        let sensor_bias = ride
+            .sensors
+            .iter()
+            .map(|s| take(if s.is_longitudinal() { 0.0 } else { s.bias_sd }))
+            .collect();
+        let drive_bias = ride.drives.iter().map(|d| take(d.bias_sd)).collect();
+        Self {
+            heading,
+            latent,
+            filters,
+            dynamic,
+            sensor_bias,
+            drive_bias,
+            states: next,
+        }
+    }
+
+    fn prior(&self, ride: &Ride, model: &Model) -> Vec<f64> {
+        let mut variance = vec![25.0; self.states];
+        variance[..4].copy_from_slice(&[0.25, 0.25, 9.0, 9.0]);
+        if self.heading {
+            variance[HEADING] = 100.0;
+        }
+        for (index, latent) in self.latent.iter().zip(&model.latent) {
+            if let (Some(index), Some(latent)) = (index, latent) {
+                variance[*index] = latent.sd_nm * latent.sd_nm;
+            }
+        }
+        let sensors = self
+            .sensor_bias
+            .iter()
+            .zip(ride.sensors.iter().map(|s| s.bias_sd));
+        let drives = self
+            .drive_bias
+            .iter()
+            .zip(ride.drives.iter().map(|d| d.bias_sd));
+        for (index, sd) in sensors.chain(drives) {
+            if let Some(index) = index {
+                variance[*index] = sd * sd;
+            }
+        }
+        variance
+    }
+}
+
+/// Derivatives of the wrench's roll and steer torque by the four states.
+type Slope = [[f64; 4]; 2];
+
+#[derive(Clone)]
+struct Work<'a> {
+    ride: &'a Ride,
+    setup: &'a Setup,
+    model: &'a Model,
+    layout: &'a Layout,
+    flow: Flow,
+    a: Vec<f64>,
+    columns: [Vec<f64>; 2],
+    x: Vec<f64>,
+    p: Vec<f64>,
+    /// Transition of the dynamic states, all columns.
+    top: Vec<f64>,
+    w: Vec<f64>,
+    row: Vec<f64>,
+    gain: Vec<f64>,
+    memory: Vec<f64>,
+    before: Vec<f64>,
+    /// Running free: nothing is read, the covariance stays.
+    blind: bool,
+    said: Vec<(usize, f64)>,
+}
+
+/// A free run: when it started, and what it says of each reading that it met.
+pub struct FreeRun {
+    pub start_s: f64,
+    /// Reading, and what it should be.
+    pub said: Vec<(usize, f64)>,
+}
+
+/// Free runs of up to `horizon_s`, started every `restart_s` within each window.
+pub fn free_runs(
+    ride: &Ride,
+    course: &Course,
+    setup: &Setup,
+    model: &Model,
+    paces: &[Pace],
+    horizon_s: f64,
+    restart_s: f64,
+) -> Vec<FreeRun> {
+    let mut pass = Pass::empty(course);
+    let mut runs = vec![];
+    let mut next_s = f64::INFINITY;
+    walk(
+        ride,
+        course,
+        setup,
+        model,
+        paces,
+        &mut pass,
+        &mut |work, index| {
+            let step = &course.steps[index];
+            if step.fresh {
+                next_s = step.t_s + restart_s;
+            }
+            if step.t_s < next_s - 1e-6 {
+                return;
+            }
+            next_s += restart_s;
+            let mut free = work.clone();
+            free.blind = true;
+            let mut sink = Pass::empty(course);
+            let mut pace = paces[index];
+            for (k, later) in course.steps.iter().enumerate().skip(index + 1) {
+                if later.fresh || later.t_s > step.t_s + horizon_s + 1e-6 {
+                    break;
+                }
+                let slip = if later.dt_s > 0.0 {
+                    free.advance(later, &pace, &paces[k], &mut sink)
+                } else {
+                    0.0
+                };
+                free.read(course, k, &paces[k], slip, &mut sink);
+                pace = paces[k];
+            }
+            runs.push(FreeRun {
+                start_s: step.t_s,
+                said: std::mem::take(&mut free.said),
+            });
+        },
+    );
+    runs
+}
+
+/// Runs the predictor; `paces` holds the pace at the end of each step.
+pub fn run(
+    ride: &Ride,
+    course: &Course,
+    setup: &Setup,
+    model: &Model,
+    paces: &[Pace],
+    pass: &mut Pass,
+) {
+    walk(ride, course, setup, model, paces, pass, &mut |_, _| {});
+}
+
+fn walk(
+    ride: &Ride,
+    course: &Course,
+    setup: &Setup,
+    model: &Model,
+    paces: &[Pace],
+    pass: &mut Pass,
+    after_step: &mut dyn FnMut(&Work<'_>, usize),
+) {
+    let layout = Layout::new(ride, model);
+    let (n, nd) = (layout.states, layout.dynamic);
+    let prior = layout.prior(ride, model);
+    let mut work = Work {
+        ride,
+        setup,
+        model,
+        layout: &layout,
+        flow: Flow::new(nd),
+        a: vec![0.0; nd * nd],
+        columns: [vec![0.0; nd], vec![0.0; nd]],
+        x: vec![0.0; n],
+        p: vec![0.0; n * n],
+        top: vec![0.0; nd * n],
+        w: vec![0.0; nd * n],
+        row: vec![0.0; n],
+        gain: vec![0.0; n],
+        memory: vec![0.0; setup.memory],
+        before: vec![0.0; n],
+        blind: false,
+        said: vec![],
+    };
+    for i in nd..n {
+        work.p[i * n + i] = prior[i];
+    }
+    let inverse = setup.plant.body.mass_inverse;
+    for i in 0..2 {
+        for j in 0..2 {
+            work.columns[j][2 + i] = inverse[(i, j)];
+        }
+    }
+    let mut pace = Pace::default();
+    for (index, step) in course.steps.iter().enumerate() {
+        if step.fresh {
+            work.restart(&prior);
+            pace = paces[index];
+        }
+        let after = paces[index];
+        let slip = if step.dt_s > 0.0 {
+            work.advance(step, &pace, &after, pass)
+        } else {
+            pass.record_still(nd, n);
+            0.0
+        };
+        work.read(course, index, &after, slip, pass);
+        if step.fresh {
+            // Memories start from what the first readings say.
+            work.start_memory(step, &after);
+        }
+        pace = after;
+        pass.end_step(&work.x);
+        after_step(&work, index);
+    }
+}
+
+impl Work<'_> {
+    fn restart(&mut self, prior: &[f64]) {
+        let (n, nd) = (self.layout.states, self.layout.dynamic);
+        self.x[..nd].fill(0.0);
+        for i in 0..nd {
+            for j in 0..n {
+                self.p[i * n + j] = 0.0;
+                self.p[j * n + i] = 0.0;
+            }
+            self.p[i * n + i] = prior[i];
+        }
+        self.memory.fill(0.0);
+    }
+
+    fn accel(&self, balance: &Balance, x: &[f64]) -> Vector2<f64> {
+        let mut torque = balance.net(x);
+        for (i, index) in self.layout.latent.iter().enumerate() {
+            if let Some(index) = index {
+                torque[i] += x[*index];
+            }
+        }
+        for (bias, arm) in self.layout.drive_bias.iter().zip(&self.setup.arms) {
+            if let Some(bias) = bias {
+                torque.x -= arm[0] * x[*bias];
+                torque.y -= arm[1] * x[*bias];
+            }
+        }
+        self.setup.plant.body.mass_inverse * torque
+    }
+
+    fn start_memory(&mut self, step: &super::course::Step, pace: &Pace) {
+        if self.setup.memory > 0 {
+            let at = state::moment(
+                self.setup,
+                self.ride,
+                &step.to,
+                pace,
+                &self.x,
+                Vector2::zeros(),
+                step.t_s,
+                0.0,
+            );
+            let mut memory = std::mem::take(&mut self.memory);
+            state::remember(self.setup, &at, &mut memory, true);
+            self.memory = memory;
+        }
+    }
+
+    /// Central differences over one standard deviation.
+    fn slope(&self, at: &Moment<'_>, balance: &Balance) -> Slope {
+        let n = self.layout.states;
+        let mut slope = [[0.0; 4]; 2];
+        let mut x: [f64; 4] = std::array::from_fn(|i| self.x[i]);
+        for i in 0..4 {
+            let h = self.p[i * n + i].max(0.0).sqrt().clamp(1e-5, 0.5);
+            let mut side = |sign: f64| {
+                let kept = x[i];
+                x[i] = kept + sign * h;
+                let mut moved = *at;
+                moved.angle_rad = [x[0], x[1]];
+                moved.rate_rad_s = [x[2], x[3]];
+                let accel = self.setup.plant.body.mass_inverse * balance.net(&x);
+                moved.accel_rad_s2 = [accel.x, accel.y];
+                x[i] = kept;
+                state::wrench(self.setup, self.ride, &moved, &self.memory, Which::Feedback)
+            };
+            let (up, down) = (side(1.0), side(-1.0));
+            slope[0][i] = (up.roll_nm - down.roll_nm) / (2.0 * h);
+            slope[1][i] = (up.steer_nm - down.steer_nm) / (2.0 * h);
+        }
+        slope
+    }
+
+    /// A of the dynamic states.
+    fn fill_a(&mut self, balance: &Balance, slope: Option<&Slope>, pace: &Pace) {
+        let nd = self.layout.dynamic;
+        let (setup, a) = (self.setup, &mut self.a);
+        a.fill(0.0);
+        a[2] = 1.0;
+        a[nd + 3] = 1.0;
+        let (mut k, mut c) = (-balance.stiffness, -balance.damping);
+        if let Some(j) = slope {
+            k += Matrix2::new(j[0][0], j[0][1], j[1][0], j[1][1]);
+            c += Matrix2::new(j[0][2], j[0][3], j[1][2], j[1][3]);
+        }
+        let inverse = setup.plant.body.mass_inverse;
+        let (k, c) = (inverse * k, inverse * c);
+        for i in 0..2 {
+            for j in 0..2 {
+                a[(2 + i) * nd + j] = k[(i, j)];
+                a[(2 + i) * nd + 2 + j] = c[(i, j)];
+            }
+        }
+        for (axis, index) in self.layout.latent.iter().enumerate() {
+            if let (Some(index), Some(latent)) = (index, self.model.latent[axis]) {
+                a[index * nd + index] = -1.0 / latent.time_s;
+                for i in 0..2 {
+                    a[(2 + i) * nd + index] = inverse[(i, axis)];
+                }
+            }
+        }
+        if self.layout.heading {
+            a[HEADING * nd + 1] = setup.plant.body.yaw[0] * pace.speed_m_s;
+            a[HEADING * nd + 3] = setup.plant.body.yaw[1];
+        }
+        for (index, first) in self.layout.filters.iter().enumerate() {
+            if let Some(first) = *first {
+                self.fill_filter(index, first, pace);
+            }
+        }
+    }
+
+    /// A recorder's low-pass and running mean (Padé [0/2]) as states.
+    fn fill_filter(&mut self, index: usize, first: usize, pace: &Pace) {
+        let nd = self.layout.dynamic;
+        let sensor = &self.ride.sensors[index];
+        let mut source = vec![0.0; self.layout.states];
+        self.truth_row(index, pace, &mut source);
+        let mut next = first;
+        if sensor.lag_s > 0.0 {
+            let rate = 1.0 / sensor.lag_s;
+            for j in 0..nd {
+                self.a[next * nd + j] += rate * source[j];
+            }
+            self.a[next * nd + next] -= rate;
+            source.fill(0.0);
+            source[next] = 1.0;
+            next += 1;
+        }
+        if sensor.moving_average_s > 0.0 {
+            let t = sensor.moving_average_s;
+            let stiffness = 12.0 / (t * t);
+            self.a[next * nd + next + 1] = 1.0;
+            for j in 0..nd {
+                self.a[(next + 1) * nd + j] += stiffness * source[j];
+            }
+            self.a[(next + 1) * nd + next] -= stiffness;
+            self.a[(next + 1) * nd + next + 1] -= 6.0 / t;
+        }
+    }
+
+    /// Derivative of a sensor's reading by the states, before its filter and bias.
+    fn truth_row(&self, index: usize, pace: &Pace, row: &mut [f64]) {
+        let (nd, body) = (self.layout.dynamic, &self.setup.plant.body);
+        let sensor = &self.ride.sensors[index];
+        let model = &self.setup.sensors[index];
+        row.fill(0.0);
+        let g = model.gain;
+        let yaw = [body.yaw[0] * pace.speed_m_s, body.yaw[1]];
+        match sensor.quantity {
+            Quantity::Roll => row[0] = g,
+            Quantity::Steer => row[1] = g,
+            Quantity::RollRate => row[2] = g,
+            Quantity::SteerRate => row[3] = g,
+            Quantity::Yaw => row[HEADING] = g,
+            Quantity::YawRate => {
+                row[1] = g * yaw[0];
+                row[3] = g * yaw[1];
+            }
+            _ => {
+                let [x, z] = sensor.point_m;
+                let v = pace.speed_m_s;
+                row[0] = -g * body.gravity_m_s2;
+                row[1] = g * v * yaw[0] + g * x * body.yaw[0] * pace.accel_m_s2;
+                row[3] = g * (v * yaw[1] + x * yaw[0]);
+                for j in 0..nd {
+                    row[j] += g * (x * yaw[1] * self.a[3 * nd + j] - z * self.a[2 * nd + j]);
+                }
+            }
+        }
+        if model.yaw_share != 0.0 {
+            row[1] += model.yaw_share * yaw[0];
+            row[3] += model.yaw_share * yaw[1];
+        }
+    }
+
+    /// Over one step; gives the yaw rate that slip adds at its end.
+    fn advance(
+        &mut self,
+        step: &super::course::Step,
+        from: &Pace,
+        to: &Pace,
+        pass: &mut Pass,
+    ) -> f64 {
+        let (n, nd) = (self.layout.states, self.layout.dynamic);
+        let (setup, ride, h) = (self.setup, self.ride, step.dt_s);
+        let start_s = step.t_s - h;
+        let to = &to.at_end();
+        self.before.copy_from_slice(&self.x);
+        let pushed = state::is_pushed(setup, ride);
+        let feedback = !ride.laws.is_empty()
+            || setup
+                .pushing
+                .iter()
+                .any(|(i, _)| setup.plant.active[*i].mechanism.feeds_back());
+        let begin = Balance::new(setup, &step.from, from);
+        let end = Balance::new(setup, &step.to, to);
+        let middle = Balance {
+            damping: (begin.damping + end.damping) * 0.5,
+            stiffness: (begin.stiffness + end.stiffness) * 0.5,
+            torque: begin.torque,
+        };
+        let mid_pace = Pace {
+            speed_m_s: 0.5 * (from.speed_m_s + to.speed_m_s),
+            travel_m: from.travel_m,
+            ..*to
+        };
+        let x0: [f64; 4] = std::array::from_fn(|i| self.x[i]);
+        let mut slope = None;
+        let mut rest0 = Vector2::zeros();
+        let mut slip = [0.0; 2];
+        let mut memory = std::mem::take(&mut self.memory);
+        if pushed {
+            let accel = self.accel(&begin, &self.x);
+            let at = state::moment(setup, ride, &step.from, from, &x0, accel, start_s, h);
+            self.memory = memory;
+            let w = state::wrench(setup, ride, &at, &self.memory, Which::All);
+            if feedback {
+                slope = Some(self.slope(&at, &begin));
+            }
+            rest0 = rest(&w, slope.as_ref(), &x0);
+            slip[0] = w.yaw_rate_rad_s;
+            memory = std::mem::take(&mut self.memory);
+            state::remember(setup, &at, &mut memory, false);
+        }
+        self.memory = memory;
+        self.fill_a(&middle, slope.as_ref(), &mid_pace);
+        let columns = std::mem::take(&mut self.columns);
+        self.flow.compute(&self.a, &columns, h);
+        self.columns = columns;
+        // Transition with the drives' biases, which subtract from the torque.
+        for i in 0..nd {
+            self.top[i * n..i * n + nd].copy_from_slice(&self.flow.phi[i * nd..(i + 1) * nd]);
+            self.top[i * n + nd..(i + 1) * n].fill(0.0);
+        }
+        for (bias, arm) in self.layout.drive_bias.iter().zip(&setup.arms) {
+            if let Some(bias) = bias {
+                for i in 0..nd {
+                    self.top[i * n + bias] =
+                        -arm[0] * self.flow.held[0][i] - arm[1] * self.flow.held[1][i];
+                }
+            }
+        }
+        // Mean.
+        let mut next = vec![0.0; nd];
+        for (i, value) in next.iter_mut().enumerate() {
+            *value = dot(&self.top[i * n..(i + 1) * n], &self.x);
+        }
+        let (u0, u1) = (begin.torque + rest0, end.torque + rest0);
+        for i in 0..nd {
+            for c in 0..2 {
+                next[i] += self.flow.held[c][i] * u0[c] + self.flow.ramp[c][i] * (u1[c] - u0[c]);
+            }
+        }
+        self.x[..nd].copy_from_slice(&next);
+        if pushed {
+            let accel = self.accel(&end, &self.x);
+            let x1: [f64; 4] = std::array::from_fn(|i| self.x[i]);
+            let at = state::moment(setup, ride, &step.to, to, &x1, accel, step.t_s, h);
+            let w = state::wrench(setup, ride, &at, &self.memory, Which::All);
+            let change = rest(&w, slope.as_ref(), &x1) - rest0;
+            slip[1] = w.yaw_rate_rad_s;
+            for i in 0..nd {
+                self.x[i] += self.flow.ramp[0][i] * change.x + self.flow.ramp[1][i] * change.y;
+            }
+            if self.layout.heading {
+                self.x[HEADING] += 0.5 * h * (slip[0] + slip[1]);
+            }
+        }
+        if self.blind {
+            return slip[1];
+        }
+        self.covariance(h);
+        pass.record_step(&self.top, &self.flow, &self.before, &self.x, n);
+        slip[1]
+    }
+
+    fn covariance(&mut self, h: f64) {
+        let (n, nd) = (self.layout.states, self.layout.dynamic);
+        // Torque noise of the equations and of the measured inputs.
+        let [roll, steer, _] = self.model.levels.process;
+        let mut s = [roll * roll, 0.0, steer * steer];
+        for (drive, arm) in self.ride.drives.iter().zip(&self.setup.arms) {
+            if drive.noise_sd > 0.0 {
+                let q = drive.noise_sd * drive.noise_sd * drive.interval_s;
+                s[0] += q * arm[0] * arm[0];
+                s[1] += q * arm[0] * arm[1];
+                s[2] += q * arm[1] * arm[1];
+            }
+        }
+        for i in 0..nd {
+            let row = &self.top[i * n..(i + 1) * n];
+            let out = &mut self.w[i * n..(i + 1) * n];
+            out.fill(0.0);
+            for (k, factor) in row.iter().enumerate() {
+                if *factor != 0.0 {
+                    for (o, x) in out.iter_mut().zip(&self.p[k * n..(k + 1) * n]) {
+                        *o += factor * x;
+                    }
+                }
+            }
+        }
+        // Simpson's rule over the step: after h, h/2 and 0.
+        let mut late = [[0.0; 2]; 24];
+        let phi = &self.flow.phi;
+        for (i, row) in phi.chunks_exact(nd).enumerate().take(24) {
+            for c in 0..2 {
+                late[i][c] = row[2] * self.columns[c][2] + row[3] * self.columns[c][3];
+            }
+        }
+        let weigh = |a: [f64; 2], b: [f64; 2]| {
+            s[0] * a[0] * b[0] + s[1] * (a[0] * b[1] + a[1] * b[0]) + s[2] * a[1] * b[1]
+        };
+        for i in 0..nd {
+            for j in 0..=i {
+                let mut sum = dot(&self.w[i * n..(i + 1) * n], &self.top[j * n..(j + 1) * n]);
+                let pick = |v: &[Vec<f64>; 2], k: usize| [v[0][k], v[1][k]];
+                sum += h / 6.0
+                    * (weigh(late[i], late[j])
+                        + 4.0 * weigh(pick(&self.flow.half, i), pick(&self.flow.half, j))
+                        + weigh(pick(&self.columns, i), pick(&self.columns, j)));
+                self.p[i * n + j] = sum;
+                self.p[j * n + i] = sum;
+            }
+            for j in nd..n {
+                self.p[i * n + j] = self.w[i * n + j];
+                self.p[j * n + i] = self.w[i * n + j];
+            }
+        }
+        for (index, latent) in self.layout.latent.iter().zip(&self.model.latent) {
+            if let (Some(index), Some(latent)) = (index, latent) {
+                self.p[index * n + index] += 2.0 * latent.sd_nm * latent.sd_nm * h / latent.time_s;
+            }
+        }
+    }
+
+    /// Takes the readings at the end of a step.
+    fn read(&mut self, course: &Course, index: usize, pace: &Pace, slip: f64, pass: &mut Pass) {
+        let step = &course.steps[index];
+        let mut drawn = false;
+        let mut balance = None;
+        for r in step.readings.clone() {
+            let reading = &course.readings[r];
+            let sensor = &self.ride.sensors[reading.sensor];
+            if sensor.is_longitudinal() {
+                continue;
+            }
+            let n = self.layout.states;
+            if step.dt_s == 0.0 && !drawn {
+                // A is needed by accelerometers only.
+                let b = Balance::new(self.setup, course.met(index), pace);
+                self.fill_a(&b, None, pace);
+                drawn = true;
+            }
+            let mut row = std::mem::take(&mut self.row);
+            let predicted = match self.layout.filters[reading.sensor] {
+                Some(first) => {
+                    let last = if sensor.moving_average_s > 0.0 {
+                        first + usize::from(sensor.lag_s > 0.0)
+                    } else {
+                        first
+                    };
+                    row.fill(0.0);
+                    row[last] = 1.0;
+                    self.x[last]
+                }
+                None => {
+                    self.truth_row(reading.sensor, pace, &mut row);
+                    let b = *balance
+                        .get_or_insert_with(|| Balance::new(self.setup, course.met(index), pace));
+                    let accel = if sensor.quantity == Quantity::LateralAccel {
+                        self.accel(&b, &self.x)
+                    } else {
+                        Vector2::zeros()
+                    };
+                    let at = state::moment(
+                        self.setup,
+                        self.ride,
+                        course.met(index),
+                        pace,
+                        &self.x,
+                        accel,
+                        step.t_s,
+                        step.dt_s,
+                    );
+                    let heading = if self.layout.heading {
+                        self.x[HEADING]
+                    } else {
+                        0.0
+                    };
+                    let model = &self.setup.sensors[reading.sensor];
+                    state::reading(self.setup, sensor, model, &at, heading, slip)
+                }
+            };
+            let mut predicted = predicted;
+            if let Some(bias) = self.layout.sensor_bias[reading.sensor] {
+                row[bias] = 1.0;
+                predicted += self.x[bias];
+            }
+            if self.blind {
+                self.said.push((r, predicted));
+                self.row = row;
+                continue;
+            }
+            mul_vec(&mut self.gain, &self.p, &row, n);
+            let sd = self.model.noise_sd(sensor);
+            let quantum = sensor
+                .quantum
+                .max(self.setup.sensors[reading.sensor].quantum);
+            let mut noise = sd * sd + quantum * quantum / 12.0;
+            if self.ride.clock_jitter_sd_s > 0.0 && step.dt_s > 0.0 {
+                let moved: f64 = row
+                    .iter()
+                    .zip(self.x.iter().zip(&self.before))
+                    .map(|(c, (now, then))| c * (now - then))
+                    .sum();
+                let error = moved / step.dt_s * self.ride.clock_jitter_sd_s;
+                noise += error * error;
+            }
+            let variance = dot(&row, &self.gain) + noise;
+            let error = reading.value - predicted;
+            let scaled = error / variance;
+            for i in 0..n {
+                self.x[i] += self.gain[i] * scaled;
+                let factor = self.gain[i] / variance;
+                for j in 0..=i {
+                    let value = self.p[i * n + j] - factor * self.gain[j];
+                    self.p[i * n + j] = value;
+                    self.p[j * n + i] = value;
+                }
+            }
+            pass.reading(r, error, variance);
+            pass.record_reading(Recorded {
+                reading: r,
+                row: &row,
+                gain: &self.gain,
+                variance,
+            });
+            self.row = row;
+        }
+    }
+}
+
+fn rest(w: &twinhub_mechanism::Wrench, slope: Option<&Slope>, x: &[f64; 4]) -> Vector2<f64> {
+    let mut rest = Vector2::new(w.roll_nm, w.steer_nm);
+    if let Some(slope) = slope {
+        rest.x -= dot(&slope[0], x);
+        rest.y -= dot(&slope[1], x);
+    }
+    rest
+}
+
+const _: () = assert!(MOST_DRIVES == 4);

@@ -1,0 +1,19 @@
+//! The predictor that diagnosis rests on: a bicycle with mechanisms, over measured rides.
+//!
+//! [`Prepared`] is a ride cut into steps; a [`Model`] predicts it in one [`Pass`]; and
+//! [`sensitivity`] says how the innovations change with the plant without another pass.
+
+pub mod course;
+pub mod forecast;
+mod lateral;
+pub mod pass;
+pub mod ride;
+pub mod sensitivity;
+pub mod setup;
+pub mod small;
+mod speed;
+mod state;
+
+pub use pass::{Pass, Prepared};
+pub use ride::{FreeNoise, Refusal, Ride};
+pub use setup::{Active, Latent, Levels, Model, Plant};

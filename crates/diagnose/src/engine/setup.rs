@@ -1,0 +1,166 @@
+//! A model, and how it acts on one ride.
+
+use super::ride::{Arm, NoiseKind, Ride, Sensor};
+use crate::quantity::Quantity;
+use std::sync::Arc;
+use twinhub_linear::{Bicycle, BicycleError};
+use twinhub_mechanism::{Body, InputModel, Mechanism, SensorModel};
+
+/// A mechanism with its parameters.
+#[derive(Clone, Debug)]
+pub struct Active {
+    pub mechanism: &'static dyn Mechanism,
+    pub p: Vec<f64>,
+}
+
+/// Noise levels, one standard deviation each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels {
+    /// White roll torque, steer torque (Nm √s) and forward force (N √s).
+    pub process: [f64; 3],
+    /// The free sensors' white noise.
+    pub sensors: Vec<f64>,
+}
+
+/// A slow random torque: standard deviation, Nm, and correlation time, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Latent {
+    pub sd_nm: f64,
+    pub time_s: f64,
+}
+
+/// Everything that can be changed about the prediction.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub bicycle: Bicycle,
+    pub active: Vec<Active>,
+    pub levels: Levels,
+    /// On roll and on steer.
+    pub latent: [Option<Latent>; 2],
+}
+
+/// The model's part that all rides share.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    pub body: Arc<Body>,
+    pub active: Vec<Active>,
+}
+
+impl Model {
+    pub fn plant(&self) -> Result<Plant, BicycleError> {
+        let list: Vec<(&'static dyn Mechanism, &[f64])> = self
+            .active
+            .iter()
+            .map(|a| (a.mechanism, a.p.as_slice()))
+            .collect();
+        Ok(Plant {
+            body: Arc::new(Body::with(&self.bicycle, &list)?),
+            active: self.active.clone(),
+        })
+    }
+
+    /// With one more mechanism.
+    pub fn with(&self, mechanism: &'static dyn Mechanism, p: Vec<f64>) -> Self {
+        let mut model = self.clone();
+        model.active.push(Active { mechanism, p });
+        model
+    }
+
+    /// Noise of a sensor, one standard deviation.
+    pub fn noise_sd(&self, sensor: &Sensor) -> f64 {
+        match sensor.noise {
+            NoiseKind::Known(sd) => sd,
+            NoiseKind::Free(index) => self.levels.sensors[index],
+        }
+    }
+}
+
+/// How a plant acts on one ride.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    pub plant: Plant,
+    pub sensors: Vec<SensorModel>,
+    pub drives: Vec<InputModel>,
+    pub brake: InputModel,
+    pub traction: InputModel,
+    pub speed: InputModel,
+    /// Roll and steer torque per unit of each drive.
+    pub arms: Vec<[f64; 2]>,
+    pub law_delay_s: f64,
+    /// Mechanisms that push, and where their memory starts.
+    pub pushing: Vec<(usize, usize)>,
+    pub memory: usize,
+    pub reads: bool,
+}
+
+impl Setup {
+    pub fn new(plant: &Plant, ride: &Ride) -> Self {
+        let input = |quantity: Quantity| {
+            let mut model = InputModel::IDEAL;
+            for a in &plant.active {
+                a.mechanism.input(&a.p, quantity, &mut model);
+            }
+            // A limit that was never reached is none.
+            if model.limit >= 200.0 {
+                model.limit = f64::INFINITY;
+            }
+            model
+        };
+        let mut memory = 0;
+        let mut pushing = vec![];
+        for (index, a) in plant.active.iter().enumerate() {
+            if a.mechanism.pushes() {
+                pushing.push((index, memory));
+                memory += a.mechanism.memory();
+            }
+        }
+        Self {
+            sensors: ride
+                .sensors
+                .iter()
+                .map(|s| {
+                    let mut model = SensorModel::IDEAL;
+                    for a in &plant.active {
+                        a.mechanism.sensor(&a.p, s.quantity, &mut model);
+                    }
+                    model
+                })
+                .collect(),
+            drives: ride.drives.iter().map(|d| input(d.quantity)).collect(),
+            brake: input(Quantity::FrontBrake),
+            traction: input(Quantity::RearTraction),
+            speed: input(Quantity::Speed),
+            arms: ride
+                .drives
+                .iter()
+                .map(|d| match d.arm {
+                    Arm::Fixed(arm) => arm,
+                    Arm::Point([x, z]) => plant.body.side_force_arm_m(x, z),
+                })
+                .collect(),
+            law_delay_s: plant
+                .active
+                .iter()
+                .map(|a| a.mechanism.law_delay_s(&a.p))
+                .sum(),
+            pushing,
+            memory,
+            reads: plant.active.iter().any(|a| a.mechanism.reads()),
+            plant: plant.clone(),
+        }
+    }
+
+    /// Whether inputs act as in `other`.
+    pub fn same_inputs(&self, other: &Self) -> bool {
+        self.drives == other.drives
+            && self.brake == other.brake
+            && self.traction == other.traction
+            && self.speed == other.speed
+    }
+
+    /// Whether events lie as in `other`.
+    pub fn same_events(&self, other: &Self) -> bool {
+        let late = |s: &Self| s.sensors.iter().map(|m| m.delay_s).collect::<Vec<_>>();
+        self.same_inputs(other) && late(self) == late(other)
+    }
+}

@@ -1,0 +1,402 @@
+//! The search itself: test, refit, decide, accept, again.
+
+use super::decide::{Blocks, Gain};
+use super::fitting::{Baseline, Passes, Rides, calibration_columns};
+use super::probe::{PROBES, Probe};
+use super::refit::{Refit, finish, polish, refit};
+use super::score::{Bench, Score, active_columns, correlation, discoveries};
+use super::thresholds::THRESHOLDS;
+use crate::engine::FreeNoise;
+use crate::engine::small::dot;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use twinhub_mechanism::{Equation, Mechanism};
+
+/// Rides for fitting and rides for deciding.
+pub struct Material<'a> {
+    pub fit: &'a Rides,
+    /// Empty: nothing can be confirmed.
+    pub held: &'a Rides,
+    pub free: &'a FreeNoise,
+}
+
+/// A mechanism that was refitted in one round.
+pub struct Contender {
+    pub mechanism: &'static dyn Mechanism,
+    pub refit: Refit,
+    pub fit_nats: f64,
+    pub gain: Gain,
+    blocks: Option<Blocks>,
+}
+
+impl Contender {
+    fn total(&self) -> f64 {
+        self.fit_nats + self.gain.nats
+    }
+}
+
+/// An accepted cause.
+pub struct Accepted {
+    pub mechanism: &'static dyn Mechanism,
+    pub set: Vec<&'static str>,
+    pub gain: Gain,
+    pub decided: bool,
+}
+
+/// First-round result of one mechanism.
+pub struct Tested {
+    pub mechanism: &'static dyn Mechanism,
+    pub score: Option<Score>,
+}
+
+/// What the search leaves.
+pub struct Found {
+    pub baseline: Baseline,
+    pub refit: Option<Refit>,
+    pub accepted: Vec<Accepted>,
+    pub first: Vec<Tested>,
+    pub contenders: Vec<(String, f64, Gain)>,
+    /// Probes that still explain something at the end, the strongest first.
+    pub left: Vec<Left>,
+    /// An accepted cause about which rides disagree, with the p-value.
+    pub disagreement: Option<(&'static str, f64)>,
+}
+
+/// A probe that explains part of the residual.
+pub struct Left {
+    pub probe: &'static Probe,
+    pub p_value: f64,
+    pub gain: Gain,
+}
+
+/// One round's tests.
+fn test(bench: &Bench<'_>, library: &[&'static dyn Mechanism]) -> Vec<Tested> {
+    library
+        .iter()
+        .map(|m| Tested {
+            mechanism: *m,
+            score: bench.score(*m),
+        })
+        .collect()
+}
+
+/// Those that the tests bring up, the strongest first.
+fn discovered(tested: &[Tested]) -> Vec<&Score> {
+    let p: Vec<f64> = tested
+        .iter()
+        .map(|t| t.score.as_ref().map_or(1.0, |s| s.p_value))
+        .collect();
+    let mut found: Vec<&Score> = tested
+        .iter()
+        .zip(discoveries(&p))
+        .filter(|(_, d)| *d)
+        .filter_map(|(t, _)| t.score.as_ref())
+        .collect();
+    found.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
+    found
+}
+
+fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
+    (!held.0.is_empty())
+        .then(|| Blocks::new(held, &baseline.model))
+        .flatten()
+}
+
+fn contend(
+    material: &Material<'_>,
+    baseline: &Baseline,
+    before: Option<&Blocks>,
+    mechanism: &'static dyn Mechanism,
+    size: &[f64],
+) -> Option<Contender> {
+    let refit = refit(material.fit, material.free, baseline, mechanism, size)?;
+    let blocks = held_blocks(material.held, &refit.baseline);
+    let gain = match (before, &blocks) {
+        (Some(a), Some(b)) => Gain::new(a, b),
+        _ => Gain::default(),
+    };
+    Some(Contender {
+        mechanism,
+        fit_nats: baseline.cost - refit.baseline.cost,
+        refit,
+        gain,
+        blocks,
+    })
+}
+
+/// Whether the fit rides' evidence, penalised for parameters and library, is enough.
+fn has_evidence(contender: &Contender, blocks: usize, library: usize) -> bool {
+    let parameters = contender.mechanism.card().parameters.len() as f64;
+    let penalty = 0.5 * parameters * libm::log(10.0 * blocks as f64);
+    contender.fit_nats - penalty > libm::log(library as f64) + THRESHOLDS.evidence_nats
+}
+
+/// Whether a fitted parameter set is still at null, or at the far end of its range.
+fn is_degenerate(contender: &Contender) -> bool {
+    let Some(active) = contender.refit.baseline.model.active.last() else {
+        return true;
+    };
+    let null = active
+        .mechanism
+        .null(&contender.refit.baseline.model.bicycle.parameters);
+    active.p[0] == null[0]
+}
+
+/// Runs the search.
+pub fn search(
+    material: &Material<'_>,
+    start: Baseline,
+    library: &[&'static dyn Mechanism],
+    progress: &mut dyn FnMut(&str),
+) -> Option<Found> {
+    let decide = !material.held.0.is_empty();
+    let mut baseline = start;
+    let mut accepted: Vec<Accepted> = vec![];
+    let mut first = None;
+    let mut contenders = vec![];
+    let mut last: Option<Refit> = None;
+    let mut disagreement = None;
+    for round in 0..=THRESHOLDS.most_causes {
+        progress(&format!("tests, round {}", round + 1));
+        let left: Vec<&'static dyn Mechanism> = library
+            .iter()
+            .copied()
+            .filter(|m| {
+                let name = m.card().name;
+                accepted.iter().all(|a| a.mechanism.card().name != name)
+            })
+            .collect();
+        let bench = Bench::new(material.fit, &baseline)?;
+        let tested = test(&bench, &left);
+        let blocks = bench.blocks;
+        if round < THRESHOLDS.most_causes {
+            let before = held_blocks(material.held, &baseline);
+            let mut list: Vec<Contender> = vec![];
+            for score in discovered(&tested).into_iter().take(THRESHOLDS.refits) {
+                progress(&format!("fitting {}", score.mechanism.card().name));
+                list.extend(contend(
+                    material,
+                    &baseline,
+                    before.as_ref(),
+                    score.mechanism,
+                    &score.size,
+                ));
+            }
+            list.sort_by(|a, b| b.total().total_cmp(&a.total()));
+            for c in &list {
+                contenders.push((c.mechanism.card().name.to_owned(), c.fit_nats, c.gain));
+            }
+            let fits = |c: &Contender| {
+                !is_degenerate(c)
+                    && has_evidence(c, blocks, library.len())
+                    && (!decide || c.gain.is_decisive())
+            };
+            if let Some(best) = list.iter().position(fits) {
+                let set = confusion(&list, best, &tested);
+                let chosen = list.swap_remove(best);
+                accepted.push(Accepted {
+                    mechanism: chosen.mechanism,
+                    set,
+                    gain: chosen.gain,
+                    decided: decide,
+                });
+                baseline = refreshed(material.fit, chosen.refit.baseline.clone())?;
+                last = Some(chosen.refit);
+                if let Some(p) = disagreement_p(material.fit, &baseline)
+                    && p < THRESHOLDS.agreement_p_value
+                {
+                    let name = accepted.last().map_or("", |a| a.mechanism.card().name);
+                    disagreement = Some((name, p));
+                }
+                if first.is_none() {
+                    first = Some(tested);
+                }
+                continue;
+            }
+        }
+        if first.is_none() {
+            first = Some(tested);
+        }
+        break;
+    }
+    if accepted.len() > 1 {
+        progress("joint fit");
+        baseline = polish(material.fit, baseline, 3)?;
+        baseline = eliminate(material, baseline, &mut accepted, decide)?;
+        baseline = refreshed(material.fit, baseline)?;
+        last = finish(material.fit, material.free, baseline.clone(), 0);
+    }
+    progress("what is left");
+    let left = leftovers(material, &baseline, decide)?;
+    Some(Found {
+        refit: last,
+        accepted,
+        first: first.unwrap_or_default(),
+        contenders,
+        left,
+        disagreement,
+        baseline,
+    })
+}
+
+/// The calibration's columns at the present model.
+fn refreshed(rides: &Rides, mut baseline: Baseline) -> Option<Baseline> {
+    let passes = Passes::run(rides, &baseline.model, true)?;
+    let all = calibration_columns(rides, &baseline.model, &passes, &baseline.all, &baseline.z);
+    baseline.columns = all
+        .into_iter()
+        .enumerate()
+        .filter(|(_, c)| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats)
+        .collect();
+    baseline.cost = super::refit::cost(&passes, &baseline);
+    Some(baseline)
+}
+
+/// Names that cannot be told apart from the best: they explain about as much on held-out blocks, or
+/// their effects are the same.
+fn confusion(list: &[Contender], best: usize, tested: &[Tested]) -> Vec<&'static str> {
+    let t = &*THRESHOLDS;
+    let chosen = &list[best];
+    let name = |m: &'static dyn Mechanism| m.card().name;
+    let mut set = vec![name(chosen.mechanism)];
+    for (index, other) in list.iter().enumerate() {
+        if index == best || is_degenerate(other) || other.total() < t.set_share * chosen.total() {
+            continue;
+        }
+        let close = match (&chosen.blocks, &other.blocks) {
+            (Some(a), Some(b)) => {
+                let difference = Gain::new(b, a);
+                let fit = chosen.fit_nats - other.fit_nats;
+                (difference.z < t.set_z || difference.nats < t.set_nats)
+                    && fit < 2.0 * t.set_nats + 0.1 * chosen.fit_nats
+            }
+            _ => chosen.fit_nats - other.fit_nats < t.set_nats,
+        };
+        if close {
+            set.push(name(other.mechanism));
+        }
+    }
+    let of = |m: &str| {
+        tested
+            .iter()
+            .filter_map(|t| t.score.as_ref())
+            .find(|s| s.mechanism.card().name == m)
+    };
+    if let Some(mine) = of(name(chosen.mechanism)) {
+        for score in tested.iter().filter_map(|t| t.score.as_ref()) {
+            let other = name(score.mechanism);
+            // One whose sign is forbidden explains nothing.
+            if !set.contains(&other)
+                && score.statistic > 0.5 * mine.statistic
+                && correlation(mine, score) > t.set_correlation
+            {
+                set.push(other);
+            }
+        }
+    }
+    set
+}
+
+/// Drops causes that cost nothing to drop.
+fn eliminate(
+    material: &Material<'_>,
+    mut baseline: Baseline,
+    accepted: &mut Vec<Accepted>,
+    decide: bool,
+) -> Option<Baseline> {
+    let mut index = 0;
+    while accepted.len() > 1 && index < accepted.len() {
+        let mut without = baseline.clone();
+        without.model.active.remove(index);
+        let without = polish(material.fit, without, 2)?;
+        let loss = match (
+            held_blocks(material.held, &without),
+            held_blocks(material.held, &baseline),
+        ) {
+            (Some(a), Some(b)) if decide => {
+                let gain = Gain::new(&a, &b);
+                accepted[index].gain = gain;
+                gain.nats
+            }
+            _ => without.cost - baseline.cost,
+        };
+        if loss < THRESHOLDS.elimination_nats {
+            accepted.remove(index);
+            baseline = without;
+        } else {
+            index += 1;
+        }
+    }
+    Some(baseline)
+}
+
+/// p-value of the hypothesis that all rides want the same size of the last accepted cause.
+fn disagreement_p(rides: &Rides, baseline: &Baseline) -> Option<f64> {
+    let bench = Bench::new(rides, baseline)?;
+    let index = baseline.model.active.len().checked_sub(1)?;
+    let column = active_columns(rides, baseline, &bench.passes, index)
+        .into_iter()
+        .next()?;
+    let count = rides.0.len();
+    if count < 2 {
+        return None;
+    }
+    // By ride: score, information, and the blocks' spread of the score.
+    let mut sums = vec![[0.0; 2]; count];
+    let mut blocks = vec![(0.0, 0); bench.blocks];
+    for (k, g) in column.iter().enumerate() {
+        let ride = bench.ride[k];
+        sums[ride][0] += g * bench.residual[k];
+        sums[ride][1] += g * g;
+        blocks[bench.block[k]].0 += g * bench.residual[k];
+        blocks[bench.block[k]].1 = ride;
+    }
+    let mut spread = vec![0.0; count];
+    for (score, ride) in blocks {
+        spread[ride] += score * score;
+    }
+    let statistic: f64 = sums
+        .iter()
+        .zip(&spread)
+        .filter(|(s, _)| s[1] > 0.0)
+        .map(|([u, i], v)| u * u / i.max(*v))
+        .sum();
+    ChiSquared::new((count - 1) as f64)
+        .ok()
+        .map(|d| d.sf(statistic))
+}
+
+/// Probes that still explain something.
+fn leftovers(material: &Material<'_>, baseline: &Baseline, decide: bool) -> Option<Vec<Left>> {
+    let bench = Bench::new(material.fit, baseline)?;
+    let longitudinal = material.fit.0.iter().any(|r| r.ride.speed.is_none());
+    let mut scores: Vec<(&'static Probe, Score)> = PROBES
+        .iter()
+        .filter(|p| longitudinal || p.equation != Equation::Longitudinal)
+        .filter_map(|p| Some((*p, bench.score(*p)?)))
+        .filter(|(_, s)| s.p_value < THRESHOLDS.clean_p_value)
+        .collect();
+    scores.sort_by(|a, b| b.1.statistic.total_cmp(&a.1.statistic));
+    let before = held_blocks(material.held, baseline);
+    let mut left = vec![];
+    let mut tried: Vec<(Equation, usize)> = vec![];
+    for (probe, score) in scores {
+        let count = tried.iter().filter(|t| t.0 == probe.equation).count();
+        if count >= 2 {
+            continue;
+        }
+        tried.push((probe.equation, count));
+        let Some(contender) = contend(material, baseline, before.as_ref(), probe, &score.size)
+        else {
+            continue;
+        };
+        if !decide || contender.gain.is_decisive() {
+            left.push(Left {
+                probe,
+                p_value: score.p_value,
+                gain: contender.gain,
+            });
+        }
+    }
+    left.sort_by(|a, b| b.gain.nats.total_cmp(&a.gain.nats));
+    Some(left)
+}

@@ -1,0 +1,24 @@
+//! Which cause: baseline, tests, refits, decision on held-out rides.
+
+pub mod answer;
+mod decide;
+pub mod experiment;
+mod faults;
+mod fitting;
+mod gain;
+mod greedy;
+mod limits;
+mod locate;
+mod modes;
+pub mod pictures;
+mod probe;
+mod refit;
+mod run;
+mod score;
+mod testable;
+pub mod thresholds;
+mod tolerance;
+mod words;
+
+pub use answer::{Answer, Verdict};
+pub use run::{DiagnoseError, Options, diagnose, diagnose_data, diagnose_in};

@@ -1,0 +1,453 @@
+//! From a study to an answer.
+
+use super::answer::{
+    Answer, Candidate, Cause, Fault, NextExperiment, NotTestable, ScoreLine, Value, Verdict, Where,
+};
+use super::faults;
+use super::fitting::{Baseline, calibrated, prepare, start};
+use super::greedy::{Found, Material, search};
+use super::limits;
+use super::testable::obstacle;
+use super::thresholds::{self, THRESHOLDS};
+use super::tolerance;
+use super::{gain, words};
+use crate::data::{DataError, DataFolders, RideData, read_ride};
+use crate::engine::{FreeNoise, Refusal, Ride};
+use crate::study::{Place, Study, Use};
+use std::collections::BTreeMap;
+use twinhub_mechanism::{ALL, Mechanism};
+
+/// Why a study cannot be diagnosed at all. What is wrong inside the rides is an answer, not an error.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    #[error(
+        "{study}: model = \"multibody\"; accepted: model = \"benchmark\": diagnosis predicts with the benchmark bicycle"
+    )]
+    Model { study: String },
+    #[error(
+        "{study}: no [[ride]]; accepted: at least one, for [[modes]] alone hold no input to predict with"
+    )]
+    NoRide { study: String },
+    #[error("{study}: no ride or window with use = \"fit\"; accepted: at least one")]
+    NoFit { study: String },
+    #[error("{place}: found {found}; accepted: {accepted}")]
+    Channel {
+        place: Place,
+        found: String,
+        accepted: String,
+    },
+    #[error("unknown mechanism `{found}`; accepted: {accepted}")]
+    Mechanism { found: String, accepted: String },
+    #[error(transparent)]
+    Data(#[from] DataError),
+    #[error(transparent)]
+    Bicycle(#[from] Box<twinhub_linear::BicycleError>),
+    #[error("{study}: the rides cannot be predicted: the likelihood is not finite")]
+    NotFinite { study: String },
+}
+
+impl From<Refusal> for DiagnoseError {
+    fn from(r: Refusal) -> Self {
+        Self::Channel {
+            place: r.place,
+            found: r.found,
+            accepted: r.accepted,
+        }
+    }
+}
+
+/// What a diagnosis may look for.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Mechanisms left out of the library.
+    pub without: Vec<String>,
+    /// If not empty, the whole library.
+    pub only: Vec<String>,
+}
+
+/// Reads the rides beside the study (or from `$TWINHUB_DATA`) and diagnoses them.
+pub fn diagnose(study: &Study, mut progress: impl FnMut(&str)) -> Result<Answer, DiagnoseError> {
+    let folders = DataFolders::new(study, None);
+    diagnose_in(study, &folders, &Options::default(), &mut progress)
+}
+
+/// As [`diagnose`], with folders and options.
+pub fn diagnose_in(
+    study: &Study,
+    folders: &DataFolders,
+    options: &Options,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Answer, DiagnoseError> {
+    if study.rides.is_empty() && !study.modes.is_empty() {
+        return super::modes::diagnose_modes(study, folders, &library(options)?);
+    }
+    let mut data = vec![];
+    for ride in &study.rides {
+        progress(&format!("reading {}", ride.file));
+        match read_ride(ride, folders) {
+            Ok(ride) => data.push(ride),
+            Err(
+                error @ (DataError::Row { .. } | DataError::Cell { .. } | DataError::Value { .. }),
+            ) => {
+                let fault = Fault {
+                    channel: channel_of(&error),
+                    ride: Some(ride.file.clone()),
+                    reason: error.to_string(),
+                };
+                return Ok(bad_data(study, vec![fault]));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    diagnose_data(study, &data, options, progress)
+}
+
+fn channel_of(error: &DataError) -> String {
+    match error {
+        DataError::Cell { column, .. } => column.clone(),
+        DataError::Value { found, .. } => found.clone(),
+        _ => "time".to_owned(),
+    }
+}
+
+/// An answer with nothing in it yet.
+pub(super) fn empty(study: &Study, verdict: Verdict) -> Answer {
+    Answer {
+        schema_version: 1,
+        tool: format!("twinhub {}", env!("CARGO_PKG_VERSION")),
+        thresholds: thresholds::hash(),
+        study: study.name.clone(),
+        verdict,
+        places: vec![],
+        causes: vec![],
+        gain: BTreeMap::new(),
+        next_experiment: None,
+        not_testable: vec![],
+        detection_limits: BTreeMap::new(),
+        extended_plant: None,
+        scores: BTreeMap::new(),
+        candidates: vec![],
+        calibration: BTreeMap::new(),
+        out_of_tolerance: vec![],
+        faults: vec![],
+        latent_force: None,
+        statements: vec![],
+        pictures: super::pictures::Pictures::default(),
+        plant: None,
+    }
+}
+
+fn bad_data(study: &Study, faults: Vec<Fault>) -> Answer {
+    let mut answer = empty(study, Verdict::BadData);
+    answer.faults = faults;
+    answer.statements = words::statements(&answer);
+    answer
+}
+
+/// The library that options leave.
+pub fn library(options: &Options) -> Result<Vec<&'static dyn Mechanism>, DiagnoseError> {
+    for name in options.without.iter().chain(&options.only) {
+        if twinhub_mechanism::find(name).is_none() {
+            return Err(DiagnoseError::Mechanism {
+                found: name.clone(),
+                accepted: twinhub_mechanism::names().collect::<Vec<_>>().join(", "),
+            });
+        }
+    }
+    let has =
+        |list: &[String], m: &&'static dyn Mechanism| list.iter().any(|name| name == m.card().name);
+    let all = ALL.iter().copied();
+    Ok(all
+        .filter(|m| !has(&options.without, m))
+        .filter(|m| options.only.is_empty() || has(&options.only, m))
+        .collect())
+}
+
+/// Rides by use, and the noise levels that are free.
+pub fn split(data: &[RideData]) -> Result<(Vec<Ride>, Vec<Ride>, FreeNoise), Refusal> {
+    let mut free = FreeNoise::default();
+    let (mut fit, mut held) = (vec![], vec![]);
+    for ride in data {
+        fit.extend(Ride::new(ride, Use::Fit, &mut free)?);
+    }
+    for ride in data {
+        held.extend(Ride::new(ride, Use::HeldOut, &mut free)?);
+    }
+    Ok((fit, held, free))
+}
+
+/// Diagnoses rides that were read.
+pub fn diagnose_data(
+    study: &Study,
+    data: &[RideData],
+    options: &Options,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Answer, DiagnoseError> {
+    let name = study.file.display().to_string();
+    let Some(bicycle) = &study.bicycle else {
+        return Err(DiagnoseError::Model { study: name });
+    };
+    if data.is_empty() {
+        return Err(DiagnoseError::NoRide { study: name });
+    }
+    let all = library(options)?;
+    let faults = faults::before_fit(bicycle, data);
+    if !faults.is_empty() {
+        return Ok(bad_data(study, faults));
+    }
+    let (fit, held, free) = split(data)?;
+    if fit.is_empty() {
+        return Err(DiagnoseError::NoFit { study: name });
+    }
+    let mut answer = empty(study, Verdict::NoEffect);
+    let mut testable = vec![];
+    for mechanism in all {
+        match obstacle(mechanism.card(), &fit, data) {
+            Some(why) => answer.not_testable.push(NotTestable {
+                mechanism: mechanism.card().name.to_owned(),
+                why,
+            }),
+            None => testable.push(mechanism),
+        }
+    }
+    let nominal = start(bicycle, &free);
+    let plant = nominal
+        .plant()
+        .map_err(|e| DiagnoseError::Bicycle(Box::new(e)))?;
+    let (fit, held) = (prepare(fit, &plant), prepare(held, &plant));
+    if fit.0.iter().all(|r| r.course.readings.is_empty()) {
+        answer.verdict = Verdict::NotTestable;
+        answer.statements = words::statements(&answer);
+        return Ok(answer);
+    }
+    let not_finite = || DiagnoseError::NotFinite {
+        study: name.clone(),
+    };
+    let parameters = calibrated(study, bicycle);
+    let baseline =
+        Baseline::fit(&fit, &free, nominal, parameters, progress).ok_or_else(not_finite)?;
+    for (c, z) in baseline.all.iter().zip(&baseline.z) {
+        answer
+            .calibration
+            .insert(c.symbol.to_owned(), c.value + z * c.sd);
+        if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
+            answer.out_of_tolerance.push(c.symbol.to_owned());
+            testable.extend(tolerance::candidate(c.symbol));
+        }
+    }
+    answer.faults = faults::dead_inputs(&fit, &baseline);
+    if !answer.faults.is_empty() {
+        answer.verdict = Verdict::BadData;
+        answer.statements = words::statements(&answer);
+        return Ok(answer);
+    }
+    let material = Material {
+        fit: &fit,
+        held: &held,
+        free: &free,
+    };
+    let calibrated_model = baseline.model.clone();
+    let found = search(&material, baseline, &testable, progress).ok_or_else(not_finite)?;
+    fill(&mut answer, &found, &held);
+    limits::fill(&mut answer, &found, &fit, &held);
+    judge(&mut answer, &found, !held.0.is_empty());
+    if matches!(answer.verdict, Verdict::BadData) {
+        answer.statements = words::statements(&answer);
+        return Ok(answer);
+    }
+    progress("gains on held-out rides");
+    let nominal = crate::engine::Model {
+        bicycle: bicycle.clone(),
+        ..calibrated_model.clone()
+    };
+    gain::fill(
+        &mut answer,
+        &held,
+        &nominal,
+        &calibrated_model,
+        &found.baseline.model,
+    );
+    super::locate::fill(&mut answer, &fit, &calibrated_model, &found);
+    answer.plant = plant_file(study, &answer, &found);
+    answer.statements = words::statements(&answer);
+    Ok(answer)
+}
+
+/// Scores, candidates and causes.
+fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides) {
+    for tested in &found.first {
+        let card = tested.mechanism.card();
+        match &tested.score {
+            Some(score) => {
+                answer.scores.insert(
+                    card.name.to_owned(),
+                    ScoreLine {
+                        p_value: score.p_value,
+                        statistic: score.statistic,
+                        size: score.first_size(),
+                    },
+                );
+            }
+            None => answer.not_testable.push(NotTestable {
+                mechanism: card.name.to_owned(),
+                why: limits::SAME_AS_TOLERANCE.to_owned(),
+            }),
+        }
+    }
+    let decided = !held.0.is_empty();
+    for (name, fit, gain) in &found.contenders {
+        answer.candidates.push(Candidate {
+            mechanism: name.clone(),
+            fit_gain_nats: *fit,
+            held_out_gain_nats: decided.then_some(gain.nats),
+            held_out_error_nats: decided.then_some(gain.error_nats),
+        });
+    }
+    for (index, accepted) in found.accepted.iter().enumerate() {
+        let active = &found.baseline.model.active[index];
+        let sd = found.refit.as_ref().and_then(|r| r.sd.get(index));
+        let card = active.mechanism.card();
+        let parameters = card.parameters.iter().enumerate().map(|(k, param)| {
+            let half = 1.96 * sd.and_then(|s| s.get(k)).copied().unwrap_or(f64::NAN);
+            let value = active.p[k];
+            (
+                param.name.to_owned(),
+                Value {
+                    value,
+                    ci95: [value - half, value + half],
+                },
+            )
+        });
+        answer.causes.push(Cause {
+            mechanism: card.name.to_owned(),
+            confirmed: false,
+            parameters: parameters.collect(),
+            set: accepted.set.iter().map(|s| (*s).to_owned()).collect(),
+            held_out_gain_nats: accepted.decided.then_some(accepted.gain.nats),
+            held_out_z: accepted.decided.then_some(accepted.gain.z),
+        });
+    }
+}
+
+/// Verdict, confirmations, next experiment.
+fn judge(answer: &mut Answer, found: &Found, decided: bool) {
+    if let Some((name, p)) = found.disagreement {
+        answer.verdict = Verdict::BadData;
+        answer.causes.clear();
+        answer.faults.push(Fault {
+            channel: "rides".to_owned(),
+            ride: None,
+            reason: format!(
+                "the rides disagree about {name} (p = {p:.1e}): not one bicycle, or inputs that do not belong to the outputs"
+            ),
+        });
+        return;
+    }
+    let dirty: Vec<&str> = found.left.iter().map(|l| l.probe.equation.name()).collect();
+    for (cause, accepted) in answer.causes.iter_mut().zip(&found.accepted) {
+        let own = accepted.mechanism.card().equations;
+        cause.confirmed = decided && !own.iter().any(|e| dirty.contains(&e.name()));
+    }
+    for left in found
+        .left
+        .iter()
+        .filter(|l| l.p_value < THRESHOLDS.unknown_p_value)
+    {
+        answer.places.push(Where {
+            equation: left.probe.equation.name().to_owned(),
+            band_hz: None,
+            order: None,
+            time_s: None,
+            ride: None,
+            p_value: left.p_value,
+            with: Some(left.probe.regressor.words().to_owned()),
+        });
+    }
+    let unknown = !answer.places.is_empty();
+    answer.verdict = match answer.causes.len() {
+        0 if unknown => Verdict::Unknown,
+        0 => Verdict::NoEffect,
+        _ if decided
+            && answer
+                .causes
+                .iter()
+                .all(|c| c.mechanism.starts_with(tolerance::PREFIX)) =>
+        {
+            Verdict::Tolerance
+        }
+        _ if !answer.causes.iter().all(|c| c.confirmed) => Verdict::Partial,
+        1 => Verdict::Cause,
+        _ => Verdict::Causes,
+    };
+    for cause in &answer.causes {
+        let Some(mechanism) = twinhub_mechanism::find(&cause.mechanism) else {
+            continue;
+        };
+        let card = mechanism.card();
+        let places = Where {
+            equation: equation_name(card),
+            band_hz: None,
+            order: None,
+            time_s: None,
+            ride: None,
+            p_value: answer.scores.get(card.name).map_or(0.0, |s| s.p_value),
+            with: Some(card.name.to_owned()),
+        };
+        answer.places.push(places);
+        if cause.set.len() > 1 || answer.next_experiment.is_none() {
+            let mut separates = cause.set.clone();
+            if separates.len() == 1 {
+                separates.extend(card.confounded_with.iter().map(|s| (*s).to_owned()));
+            }
+            answer.next_experiment = Some(NextExperiment {
+                what: card.separated_by.to_owned(),
+                separates,
+            });
+        }
+    }
+}
+
+/// The word of the answer for a mechanism's first equation.
+fn equation_name(card: &twinhub_mechanism::Card) -> String {
+    let first = card.equations[0];
+    if first != twinhub_mechanism::Equation::Sensor {
+        return first.name().to_owned();
+    }
+    let output = card.requires.iter().find_map(|r| match r {
+        twinhub_mechanism::Requirement::Output(q) => Some(q.name()),
+        _ => None,
+    });
+    format!("sensor:{}", output.unwrap_or("speed_m_s"))
+}
+
+fn plant_file(study: &Study, answer: &Answer, found: &Found) -> Option<twinhub_linear::Bicycle> {
+    if answer.causes.is_empty() {
+        return None;
+    }
+    let active = found.baseline.model.active.iter().enumerate();
+    let causes: Vec<twinhub_mechanism::Accepted> = active
+        .map(|(index, a)| twinhub_mechanism::Accepted {
+            mechanism: a.mechanism,
+            confirmed: answer.causes.get(index).is_some_and(|c| c.confirmed),
+            p: a.p.clone(),
+            sd: found
+                .refit
+                .as_ref()
+                .and_then(|r| r.sd.get(index).cloned())
+                .unwrap_or_default(),
+        })
+        .collect();
+    let rides: Vec<&str> = study.rides.iter().map(|r| r.file.as_str()).collect();
+    let source = format!(
+        "{}, thresholds {}, study \"{}\" on {}, rides {}",
+        answer.tool,
+        answer.thresholds,
+        study.name,
+        study.parameters,
+        rides.join(", ")
+    );
+    let name = format!("{}_extended", study.parameters);
+    twinhub_mechanism::extended::extended(&found.baseline.model.bicycle, &name, &source, &causes)
+        .ok()
+}

@@ -1,0 +1,74 @@
+//! What a mechanism may look at, and what it gives back.
+
+use crate::body::Body;
+
+/// Forces and torques that are known to act.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inputs {
+    pub roll_torque_nm: f64,
+    pub steer_torque_nm: f64,
+    pub front_brake_nm: f64,
+    pub rear_traction_nm: f64,
+}
+
+/// One moment of a ride, in the signs of `twinhub_types::conventions`.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    pub body: &'a Body,
+    pub t_s: f64,
+    /// Length of the step that the wrench is held over.
+    pub dt_s: f64,
+    pub speed_m_s: f64,
+    pub accel_m_s2: f64,
+    /// Way since the start of the window.
+    pub travel_m: f64,
+    /// Roll and steer.
+    pub angle_rad: [f64; 2],
+    pub rate_rad_s: [f64; 2],
+    /// As the equations give it without the mechanism.
+    pub accel_rad_s2: [f64; 2],
+    pub inputs: Inputs,
+    /// Angle of the cranks, where it was measured.
+    pub crank_rad: Option<f64>,
+    /// Angle of the front wheel, where its rate was measured.
+    pub wheel_rad: Option<f64>,
+    pub trunk_lean_rad: Option<f64>,
+}
+
+impl Moment<'_> {
+    /// Yaw rate without slip.
+    pub fn yaw_rate_rad_s(&self) -> f64 {
+        self.body.yaw[0] * self.speed_m_s * self.angle_rad[1]
+            + self.body.yaw[1] * self.rate_rad_s[1]
+    }
+
+    /// Yaw acceleration without slip.
+    pub fn yaw_accel_rad_s2(&self) -> f64 {
+        self.body.yaw[0]
+            * (self.speed_m_s * self.rate_rad_s[1] + self.accel_m_s2 * self.angle_rad[1])
+            + self.body.yaw[1] * self.accel_rad_s2[1]
+    }
+}
+
+/// What a mechanism adds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    pub roll_nm: f64,
+    pub steer_nm: f64,
+    /// Forward.
+    pub force_n: f64,
+    /// Part of `force_n` that is gravity's: an accelerometer does not feel it.
+    pub gravity_n: f64,
+    /// Yaw rate that slip adds to the kinematic one, for sensors.
+    pub yaw_rate_rad_s: f64,
+}
+
+impl std::ops::AddAssign for Wrench {
+    fn add_assign(&mut self, other: Self) {
+        self.roll_nm += other.roll_nm;
+        self.steer_nm += other.steer_nm;
+        self.force_n += other.force_n;
+        self.gravity_n += other.gravity_n;
+        self.yaw_rate_rad_s += other.yaw_rate_rad_s;
+    }
+}

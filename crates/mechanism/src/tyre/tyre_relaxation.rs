@@ -1,0 +1,78 @@
+//! What: side forces follow the steering only after a rolled distance.
+//!
+//! Equation: (length/v) r' + r = kinematic yaw rate; both wheels alike, so that yaw rate and
+//! lateral acceleration lag together.
+//!
+//! Source: H. B. Pacejka, Tire and Vehicle Dynamics (2012), chapter 7: first-order lag over
+//! distance.
+//!
+//! Assumes and ignores: the same length at both wheels; no lag of the aligning torque by itself.
+//!
+//! Valid for: small angles.
+//!
+//! Checked by: the registry's conformance tests.
+
+use crate::card::{Card, Equation, Family, Param};
+use crate::hooks::Mechanism;
+use crate::moment::{Moment, Wrench};
+
+/// See the module.
+#[derive(Debug)]
+pub struct TyreRelaxation;
+
+static CARD: Card = Card {
+    name: "tyre_relaxation",
+    family: Family::Tyre,
+    equations: &[Equation::Steer, Equation::Roll, Equation::Lateral],
+    claim: "side forces follow the steering only after a rolled distance",
+    equation: "(length/v) r' + r = kinematic yaw rate; both wheels alike, so that yaw rate and lateral acceleration lag together",
+    source: "H. B. Pacejka, Tire and Vehicle Dynamics (2012), chapter 7: first-order lag over distance",
+    parameters: &[Param {
+        name: "length_m",
+        null: 0.0,
+        least: 0.0,
+        most: 1.5,
+        probe: 0.05,
+        starts: &[0.1, 0.3],
+        about: "relaxation length of both tyres",
+    }],
+    requires: &[],
+    confounded_with: &["steer_sensor_delay", "cornering_stiffness"],
+    separated_by: "steering to 3 Hz at three speeds: the lag in time falls with speed, a sensor delay does not",
+};
+
+impl Mechanism for TyreRelaxation {
+    fn card(&self) -> &'static Card {
+        &CARD
+    }
+    fn pushes(&self) -> bool {
+        true
+    }
+
+    fn memory(&self) -> usize {
+        1
+    }
+
+    fn remember(&self, p: &[f64], at: &Moment<'_>, memory: &mut [f64], fresh: bool) {
+        let kinematic = at.yaw_rate_rad_s();
+        if fresh {
+            memory[0] = kinematic;
+            return;
+        }
+        // Exact over the step for a yaw rate that changes evenly.
+        let rate = at.speed_m_s.abs() / p[0].max(1e-6);
+        let slope = at.yaw_accel_rad_s2();
+        let settled = kinematic - slope / rate;
+        let decay = libm::exp(-rate * at.dt_s);
+        memory[0] = settled + slope * at.dt_s + (memory[0] - settled) * decay;
+    }
+
+    fn wrench(&self, p: &[f64], at: &Moment<'_>, memory: &[f64]) -> Wrench {
+        if p[0] <= 0.0 {
+            return Wrench::default();
+        }
+        let lack = memory[0] - at.yaw_rate_rad_s();
+        let slope = -lack * at.speed_m_s.abs() / p[0].max(1e-6) - at.yaw_accel_rad_s2();
+        at.body.slip_wrench(at.speed_m_s, lack, slope)
+    }
+}
