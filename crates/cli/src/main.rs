@@ -10,6 +10,7 @@ mod link_args;
 mod map;
 mod modes;
 mod processes;
+mod reproduce;
 mod ride;
 mod ride_report;
 mod soak;
@@ -38,6 +39,8 @@ enum Command {
     Map(map::MapArgs),
     /// Measured rides against the model: how wrong it is, and where
     Compare(compare::CompareArgs),
+    /// The figures of Bulsink (2017) beside those of the multibody model
+    Reproduce(reproduce::ReproduceArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
@@ -87,6 +90,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Ride(args) => ride::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),
