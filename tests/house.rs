@@ -49,6 +49,15 @@ const ARROWS: &[(&str, &[&str])] = &[
         &["twinhub-types", "twinhub-linear", "twinhub-log"],
     ),
     (
+        "twinhub-reproduce",
+        &[
+            "twinhub-linear",
+            "twinhub-plant",
+            "twinhub-ident",
+            "twinhub-report",
+        ],
+    ),
+    (
         "firmware-sim",
         &["twinhub-types", "twinhub-control", "twinhub-link"],
     ),

@@ -4,17 +4,18 @@ mod bicycle;
 mod catalogue;
 mod children;
 mod compare;
-mod doctor;
-mod exit;
-mod link_args;
-mod map;
 mod diagnose;
 mod diagnose_page;
+mod doctor;
+mod exit;
 mod experiment;
+mod link_args;
+mod map;
 mod modes;
 mod processes;
 mod registries;
 mod replay;
+mod reproduce;
 mod ride;
 mod ride_report;
 mod rider;
@@ -56,6 +57,8 @@ enum Command {
     Diagnose(diagnose::DiagnoseArgs),
     /// What rides like these could show, and what they could not tell apart
     Experiment(experiment::ExperimentArgs),
+    /// The figures of Bulsink (2017) beside those of the multibody model
+    Reproduce(reproduce::ReproduceArgs),
     /// Forces and torques of a tyre
     Tyre(tyre::TyreArgs),
     /// The file of a bicycle, to keep, to read, to edit
@@ -109,6 +112,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Modes(args) => modes::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Tyre(args) => tyre::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bicycle(args) => bicycle::run(&args),

@@ -110,7 +110,9 @@ impl Bicycle {
         }
         bicycle.added = file.added;
         for mechanism in &file.mechanism {
-            bicycle.remarks.push(format!("extended by {}", mechanism.name));
+            bicycle
+                .remarks
+                .push(format!("extended by {}", mechanism.name));
         }
         bicycle.mechanisms = file.mechanism;
         for (symbol, sd) in &file.standard_deviations {

@@ -68,12 +68,11 @@ struct Causes {
 
 impl Causes {
     fn new(bicycle: &Bicycle) -> Result<Option<Self>, BicycleError> {
-        let list = twinhub_mechanism::extended::pushing(bicycle).map_err(|e| {
-            BicycleError::Toml {
+        let list =
+            twinhub_mechanism::extended::pushing(bicycle).map_err(|e| BicycleError::Toml {
                 path: bicycle.name.clone().into(),
                 message: e.to_string(),
-            }
-        })?;
+            })?;
         if list.is_empty() {
             return Ok(None);
         }
@@ -88,7 +87,13 @@ impl Causes {
         }))
     }
 
-    fn moment(&self, x: &[f64; 8], accel: Vector2<f64>, forward: f64, input: &PlantInput) -> Moment<'_> {
+    fn moment(
+        &self,
+        x: &[f64; 8],
+        accel: Vector2<f64>,
+        forward: f64,
+        input: &PlantInput,
+    ) -> Moment<'_> {
         Moment {
             body: &self.body,
             t_s: self.t_s,
@@ -414,8 +419,8 @@ mod tests {
             p: vec![5.0],
             sd: vec![],
         };
-        let extended =
-            twinhub_mechanism::extended::extended(&base, "rubs", "a test", &[friction]).expect("valid");
+        let extended = twinhub_mechanism::extended::extended(&base, "rubs", "a test", &[friction])
+            .expect("valid");
         let mut plant = Benchmark::new(&extended, FREE, 5.0).expect("valid");
         let pull = PlantInput {
             steer_torque_nm: 3.0,
@@ -424,7 +429,11 @@ mod tests {
         for _ in 0..100 {
             plant.step(&pull, 0.001);
         }
-        assert!(plant.truth().steer_rad.abs() < 1e-3, "{}", plant.truth().steer_rad);
+        assert!(
+            plant.truth().steer_rad.abs() < 1e-3,
+            "{}",
+            plant.truth().steer_rad
+        );
         let mut bare = Benchmark::new(&base, FREE, 5.0).expect("valid");
         for _ in 0..100 {
             bare.step(&pull, 0.001);

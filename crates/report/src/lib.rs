@@ -2,7 +2,8 @@
 //! Reports: self-contained HTML pages with inline SVG. No script, no network, light and dark,
 //! printable.
 //!
-//! [`ride`] is the page of a ride, [`modes_picture`] the picture of the eigenvalues over speed.
+//! [`ride`] is the page of a ride, [`modes_picture`] the picture of the eigenvalues over speed,
+//! [`reproduce`] the page of published figures beside ours.
 //! New pages are made of [`page`] (shell, tables, verdict) and [`chart`] (lines over a shared x
 //! axis). All take plain numbers and text; degrees appear here and nowhere before.
 
@@ -15,5 +16,6 @@ pub mod line;
 pub mod map_picture;
 pub mod modes_picture;
 pub mod page;
+pub mod reproduce;
 pub mod ride;
 pub mod text;

@@ -183,6 +183,34 @@ fn with_ellipse_and_road_friction_no_force_passes_the_friction_limit() {
     assert!(tested > 0);
 }
 
+/// With combined slip a wheel that slides along has hardly any side force and yaw torque left.
+#[test]
+fn with_the_ellipse_a_locked_wheel_neither_holds_nor_steers() {
+    let mut tested = 0;
+    for (name, tyre) in tyres() {
+        let combined = match tyre {
+            Tyre::MagicFormula(t) => t.combined,
+            Tyre::MagicFormula1989(t) => t.combined,
+            _ => Combined::None,
+        };
+        if combined == Combined::Ellipse {
+            let rolling = tyre.output(&at(400.0, 0.0, 0.03, 0.1));
+            let locked = tyre.output(&at(400.0, -1.0, 0.03, 0.1));
+            for (what, before, after) in [
+                ("side force", rolling.lateral_n, locked.lateral_n),
+                ("yaw torque", rolling.aligning_nm, locked.aligning_nm),
+            ] {
+                assert!(
+                    after.abs() < 0.15 * before.abs(),
+                    "{name}: {what} {after}, rolling {before}"
+                );
+            }
+            tested += 1;
+        }
+    }
+    assert!(tested > 2);
+}
+
 #[test]
 fn friction_of_the_road_limits_forces_and_leaves_slopes() {
     for (name, tyre) in tyres()

@@ -19,8 +19,9 @@
 //! table A3; measurements by Doria et al. (2013), Vehicle System Dynamics 51, 405-420.
 //!
 //! Assumes and ignores: longitudinal slip was never measured (PKX1 is the low end of motorcycle
-//! tyres); the twisting torque knows no friction limit; combined slip is not in the source and is
-//! an option; curvature and offsets are zero.
+//! tyres); the twisting torque knows no friction limit of its own; combined slip is not in the
+//! source and is an option, which takes from side force and both parts of Tz alike; curvature and
+//! offsets are zero.
 //!
 //! Valid for: 400 to 600 N, slip angles to about 6°, camber to about 25°. Extrapolated, the
 //! pneumatic trail turns over at 902 N and the twisting torque at 1038 N; `load_range_n` holds the
@@ -227,7 +228,8 @@ impl TyreModel for MagicFormula {
         // Tz(γ) = Fz r (DTT1 + DTT2 df) γ                                       (A2.16, A2.17)
         let dtt = linear(self.twisting_per_rad, self.twisting_load_per_rad);
         let lean = (fz * gamma).scale(r);
-        let twisting = -lean * dtt.scale(self.twisting_gain);
+        // It is slip across the patch: a tyre that slides along has none of it left.
+        let twisting = -lean * dtt.scale(self.twisting_gain) * left;
 
         TyreOutput {
             longitudinal_n,
@@ -353,7 +355,7 @@ impl TyreModel for MagicFormula {
             what: "bicycle tyre with load dependence, side slip, camber, self-aligning, twisting and overturning moment, rolling resistance and longitudinal slip",
             equation: "y = D sin(C atan(B x)) for each force, cosine form for the pneumatic trail, moments linear in camber: A2.1 to A2.19 of the source",
             source: "Bulsink (2017), thesis, University of Twente, appendix A.2 and table A3; measured by Doria et al. (2013), Vehicle System Dynamics 51",
-            assumes: "longitudinal slip was never measured (motorcycle data); combined slip is not in the source (option `combined`); twisting torque knows no friction limit; holds for 400 to 600 N, slip angles to 6 degrees, camber to 25 degrees",
+            assumes: "longitudinal slip was never measured (motorcycle data); combined slip is not in the source (option `combined`); twisting torque knows no friction limit but that of combined slip; holds for 400 to 600 N, slip angles to 6 degrees, camber to 25 degrees",
         }
     }
 }

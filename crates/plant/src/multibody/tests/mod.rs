@@ -3,3 +3,4 @@
 mod benchmark;
 mod friction;
 mod motion;
+mod pair;
