@@ -44,7 +44,6 @@ pub fn names(table: &[Shipped]) -> Vec<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::setup::load_rider;
     use twinhub_plant::bicycles::load_multibody;
     use twinhub_plant::multibody::Multibody;
