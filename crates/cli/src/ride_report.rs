@@ -114,7 +114,7 @@ pub fn punctuality(runs: &[Run]) -> String {
 /// What to try after a ride.
 fn next_commands() -> Vec<String> {
     [
-        "twinhub ride --set law.limits.torque_max_nm=20",
+        "twinhub ride --set law=scheduled --set rider=young",
         "twinhub modes --bicycle bulsink2017_bicycle1 --torque-nm 40 --speeds-m-s 0:10:0.5",
         "twinhub compare davis_instrumented_105 --data DIR",
         "twinhub list",
