@@ -16,6 +16,8 @@
 
 pub mod body;
 pub mod card;
+#[cfg(test)]
+mod conformance;
 pub mod extended;
 pub mod hooks;
 pub mod moment;

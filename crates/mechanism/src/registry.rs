@@ -9,7 +9,6 @@ pub static ALL: &[&dyn Mechanism] = &[
     &tyre::CorneringStiffness,
     &tyre::TwistingTorque,
     &tyre::CamberStiffness,
-    &tyre::FrictionDrop,
     &steering::SteerCoulombFriction,
     &steering::SteerDamping,
     &steering::HeadsetBacklash,

@@ -82,7 +82,7 @@ fn ride(
             let f = 0.25 * 1.22f64.powi(k);
             [
                 f * 2.0 * std::f64::consts::PI,
-                0.5,
+                0.3,
                 random.uniform() * 6.283,
             ]
         })
@@ -101,7 +101,7 @@ fn ride(
         let v = speed + 0.3 * (0.25 * t).sin();
         if k % 10 == 0 {
             let tones: f64 = tones.iter().map(|[w, a, p]| a * (w * t + p).sin()).sum();
-            torque = tones + 12.0 * x[0] + 7.0 * x[2] - 1.5 * x[3];
+            torque = tones + 5.0 * x[0] + 8.0 * (7.0 - v).max(0.0) * x[2] - x[3];
             let phase = t % 6.0;
             force = if (2.0..2.4).contains(&phase) {
                 60.0 * if (t / 6.0) as u32 % 2 == 0 { 1.0 } else { -1.0 }

@@ -37,7 +37,7 @@ static CARD: Card = Card {
         about: "roll torque per lean angle of the trunk",
     }],
     requires: &[Requirement::Channel(Quantity::TrunkLean)],
-    confounded_with: &["payload", "gust"],
+    confounded_with: &["payload"],
     separated_by: "harness against free trunk, with the trunk measured",
 };
 

@@ -2,12 +2,10 @@
 
 mod camber_stiffness;
 mod cornering_stiffness;
-mod friction_drop;
 mod twisting_torque;
 mod tyre_relaxation;
 
 pub use camber_stiffness::CamberStiffness;
 pub use cornering_stiffness::CorneringStiffness;
-pub use friction_drop::FrictionDrop;
 pub use twisting_torque::TwistingTorque;
 pub use tyre_relaxation::TyreRelaxation;
