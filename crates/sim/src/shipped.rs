@@ -27,7 +27,8 @@ pub const RIDERS: &[Shipped] = shipped!("../riders/":
     "bulsink2017_trunk_lean_young", "bulsink2017_trunk_lean_older",
 );
 /// Laws that ship.
-pub const LAWS: &[Shipped] = shipped!("../../control/laws/": "off", "constant", "scheduled", "scheduled_20_nm");
+pub const LAWS: &[Shipped] =
+    shipped!("../../control/laws/": "off", "constant", "scheduled", "scheduled_20_nm");
 /// Scenarios that ship.
 pub const SCENARIOS: &[Shipped] = shipped!("../scenarios/": "push_7ms_off", "push_7ms_pair", "push_7ms_pair_until_20s",
     "corner_off", "corner_front", "corner_rear", "past_friction", "pedalling", "rig");

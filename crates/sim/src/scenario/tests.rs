@@ -46,7 +46,6 @@ fn the_same_scenario_gives_the_same_bytes() {
         "sensors=\"as_bought\"",
     ];
     let with_keys = |text: &str| {
-        // Keys that the file leaves out have to stand in it.
         let mut scenario: Scenario = toml::from_str(text).unwrap();
         scenario.duration_s = 1.0;
         scenario.start.roll_rad = 0.02;
@@ -55,8 +54,12 @@ fn the_same_scenario_gives_the_same_bytes() {
         scenario
     };
     assert!(
-        load("push_7ms_pair", &set).is_err(),
-        "a new key is no override"
+        load("push_7ms_pair", &set).is_ok(),
+        "a key that the file leaves out can be set"
+    );
+    assert!(
+        load("push_7ms_pair", &["start.rol_rad=0.02"]).is_err(),
+        "a key that there is not cannot"
     );
     let text = shipped::SCENARIOS
         .iter()
