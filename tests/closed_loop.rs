@@ -104,9 +104,9 @@ fn from_3_to_8_m_s_on_tyres_one_rider_stays_up_without_and_with_the_pair() {
 #[test]
 fn every_part_of_a_course_can_be_written_out_and_set() {
     let dir = tempfile::tempdir().expect("temporary directory");
-    let plain = multibody(&["duration_s=1"]).expect("ships");
+    let plain = multibody(&["duration_s=4"]).expect("ships");
     let run = |assignments: &[&str]| {
-        let mut all = vec!["duration_s=1"];
+        let mut all = vec!["duration_s=4"];
         all.extend(assignments);
         let course = multibody(&all).unwrap_or_else(|e| panic!("{assignments:?}: {e}"));
         // What the log holds is the ride again, bit for bit.
