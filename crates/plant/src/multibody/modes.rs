@@ -103,14 +103,15 @@ impl Multibody {
         }
         let family: Vec<Vec<Eigenpair>> = points.iter().map(|p| p.modes.clone()).collect();
         // Below its weave speed the bicycle has one unstable slow oscillation: that is weave, whatever
-        // other modes it meets on its way. Without one, shapes decide at the highest speed where
-        // they can.
+        // other modes it meets on its way, and whether or not capsize can be told there. Without one,
+        // shapes decide at the highest speed where they can.
         let has = |pairs: &[Eigenpair], mode| name_lateral(pairs, &states).contains(&mode);
         let swings = |pairs: &[Eigenpair]| pairs.iter().any(unstable_swing);
         let find = |keep: &dyn Fn(&[Eigenpair]) -> bool| {
             (0..family.len()).rev().find(|&k| keep(&family[k]))
         };
         let start = find(&|p| swings(p) && has(p, ModeName::Capsize))
+            .or_else(|| find(&swings))
             .or_else(|| find(&|p| has(p, ModeName::Weave) && has(p, ModeName::Capsize)))
             .unwrap_or(family.len() - 1);
         let names = name_lateral(&family[start], &states);

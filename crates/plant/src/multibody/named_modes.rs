@@ -303,4 +303,21 @@ mod tests {
         assert_eq!(answer.modes.capsize, Verdict::AlwaysStable);
         assert!(model.named_modes(&Course::straight(0.0), &[0.0]).is_err());
     }
+
+    #[test]
+    fn weave_keeps_its_name_however_far_the_speeds_go() {
+        let p = Parameters::bulsink2017(BulsinkBicycle::One, Case::Full, &Reading::default());
+        let model = Multibody::new(&p).unwrap();
+        for torque_nm in [0.0, 100.0] {
+            let weave = |top: f64| {
+                let at = speeds(0.5, top, 0.5);
+                let answer = model
+                    .named_modes(&Course::pair(5.0, torque_nm), &at)
+                    .unwrap();
+                assert_eq!(answer.modes.weave, Verdict::Crosses, "to {top} m/s");
+                answer.modes.weave_speed_m_s().unwrap()
+            };
+            assert!((weave(10.0) - weave(12.0)).abs() < 1.0e-6, "{torque_nm} Nm");
+        }
+    }
 }
