@@ -134,7 +134,7 @@ fn controllers_that_break_the_protocol_end_the_ride_with_words_and_a_log() {
         assert!(said.contains(words), "{command}: {said}");
     }
     // The last of them had ridden for 2 s in the first of its rides.
-    let newest = dir.path().join("rides/first_ride-7/off.mcap");
+    let newest = dir.path().join("rides/three_to_eight-7/off.mcap");
     let log = twinhub_log::read(newest).expect("the log opens");
     let rows = log
         .table(twinhub_log::PLANT_TRUTH)

@@ -6,6 +6,7 @@
 pub mod course;
 pub mod forecast;
 mod lateral;
+mod layout;
 pub mod pass;
 pub mod ride;
 pub mod sensitivity;

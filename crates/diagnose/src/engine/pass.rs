@@ -2,7 +2,8 @@
 //! sensitivities need.
 
 use super::course::Course;
-use super::lateral::{self, Layout};
+use super::lateral;
+use super::layout::Layout;
 use super::ride::Ride;
 use super::setup::{Model, Plant, Setup};
 use super::small::Flow;

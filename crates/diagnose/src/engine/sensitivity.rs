@@ -18,7 +18,7 @@
 //! Checked by: `tests` of the engine: against differences of whole passes.
 
 use super::course::Course;
-use super::lateral::{HEADING, Layout};
+use super::layout::{HEADING, Layout};
 use super::pass::{Pass, Record};
 use super::ride::Ride;
 use super::setup::{Model, Plant, Setup};
