@@ -133,7 +133,8 @@ fn a_peer_that_hangs_up_has_left_and_one_that_is_killed_has_died() {
     ));
 
     let hello: String = hello().iter().map(|byte| format!("\\{byte:03o}")).collect();
-    let script = format!("printf '{hello}'; kill -9 $$");
+    // Long enough alive to be met, not long enough to answer.
+    let script = format!("printf '{hello}'; sleep 0.2; kill -9 $$");
     let (started, wires) =
         Started::piped(Command::new("sh").args(["-c", &script])).expect("a shell");
     let mut end = StreamEnd::meet(wires, settings()).expect("met");
