@@ -21,34 +21,7 @@ use crate::error::ReproduceError;
 use crate::row::Row;
 use nalgebra::{DMatrix, DVector};
 use twinhub_plant::multibody::{Case, Course, INPUTS, Multibody};
-
-/// One printed row: group, speed m/s, P, D, delay s.
-type Printed = (&'static str, f64, f64, f64, f64);
-
-const TORQUE: [Printed; 6] = [
-    ("young", 7.0, -5.73, -17.59, 0.16),
-    ("young", 4.0, -14.99, -14.41, 0.12),
-    ("young", 3.0, -21.88, -18.73, 0.12),
-    ("young", 2.0, -30.51, -22.17, 0.14),
-    ("older", 6.0, -14.06, -33.33, 0.16),
-    ("older", 4.0, -30.24, -30.27, 0.21),
-];
-const ANGLE: [Printed; 6] = [
-    ("young", 7.0, -0.62, -0.10, 0.22),
-    ("young", 4.0, -1.69, -0.11, 0.22),
-    ("young", 3.0, -2.68, -0.13, 0.21),
-    ("young", 2.0, -3.98, -0.19, 0.20),
-    ("older", 6.0, -0.61, -0.19, 0.24),
-    ("older", 4.0, -1.14, -0.21, 0.27),
-];
-const LEAN: [Printed; 6] = [
-    ("young", 7.0, -0.91, -0.07, 0.06),
-    ("young", 4.0, -1.16, -0.05, 0.05),
-    ("young", 3.0, -1.27, -0.04, 0.05),
-    ("young", 2.0, -1.62, -0.05, 0.06),
-    ("older", 6.0, -0.95, -0.08, 0.07),
-    ("older", 4.0, -1.22, -0.05, 0.06),
-];
+use twinhub_plant::rider::published::{self, Table};
 
 /// Sections of a delay.
 const SECTIONS: usize = 12;
@@ -77,9 +50,12 @@ const TRUNK_LEAN: Limb = Limb {
 };
 
 /// Largest growth rate of the bicycle with this rider, 1/s.
-fn growth_per_s(model: &Multibody, limb: &Limb, row: &Printed) -> Result<f64, ReproduceError> {
-    let &(_, speed, p, d, delay_s) = row;
-    let linear = model.linear(&Course::straight(speed))?.lateral();
+fn growth_per_s(
+    model: &Multibody,
+    limb: &Limb,
+    row: &published::Row,
+) -> Result<f64, ReproduceError> {
+    let linear = model.linear(&Course::straight(row.speed_m_s))?.lateral();
     let n = linear.a.nrows();
     let unit = |name: &str| {
         let at = linear.index(name);
@@ -87,14 +63,14 @@ fn growth_per_s(model: &Multibody, limb: &Limb, row: &Printed) -> Result<f64, Re
     };
     let column = INPUTS.iter().position(|i| *i == limb.input).unwrap_or(0);
     let b = linear.b.column(column).into_owned();
-    let signal = unit("roll_rad") * p + unit("angular_velocity_x_rad_s") * d;
+    let signal = unit("roll_rad") * row.p.mean + unit("angular_velocity_x_rad_s") * row.d.mean;
     let mut a = linear.a.clone();
     let mut gain = limb.sign;
     if let Some((angle, rate, stiffness, damping)) = limb.imposes {
         a -= &b * (unit(angle) * stiffness + unit(rate) * damping).transpose();
         gain *= stiffness;
     }
-    let whole = delayed(&a, &(&b * gain), &signal, delay_s);
+    let whole = delayed(&a, &(&b * gain), &signal, row.delay_s.mean);
     let values = whole.complex_eigenvalues();
     Ok(values.iter().map(|z| z.re).fold(f64::MIN, f64::max))
 }
@@ -138,34 +114,39 @@ pub fn riders(assumed: &Assumed) -> Result<Vec<Row>, ReproduceError> {
     hands_off.arms.damping_n_s_m = 0.0;
     let rigid = Multibody::new(&assumed.case(Case::TyresRigid))?;
     let passive = Multibody::new(&hands_off)?;
-    for (id, printed, limb, model, what) in [
+    for (id, table, limb, model, what) in [
         (
             "rider_table_6_2",
-            TORQUE,
+            Table::SteerTorque,
             BAR_TORQUE,
             &rigid,
             "steer torque, case 6",
         ),
         (
             "rider_table_6_3",
-            ANGLE,
+            Table::SteerAngle,
             BAR_ANGLE,
             &rigid,
             "steer angle, case 6",
         ),
         (
             "rider_table_6_4",
-            LEAN,
+            Table::TrunkLean,
             TRUNK_LEAN,
             &passive,
             "lean of the upper body, case 7 without arms",
         ),
     ] {
+        let printed = published::rows(table);
         let (mut up, mut growths) = (0, Vec::new());
         for row in &printed {
             let growth = growth_per_s(model, &limb, row)?;
             up += usize::from(growth < 0.0);
-            growths.push(format!("{} {} m/s {growth:+.2}", row.0, row.1));
+            growths.push(format!(
+                "{} {} m/s {growth:+.2}",
+                row.group.name(),
+                row.speed_m_s
+            ));
         }
         let thesis = "riders identified this way stayed up";
         let same = up == printed.len();

@@ -48,7 +48,6 @@ struct Path {
 pub struct ClosedLoop {
     a: DMatrix<f64>,
     paths: Vec<Path>,
-    roll_torque: DVector<f64>,
 }
 
 impl ClosedLoop {
@@ -88,13 +87,7 @@ impl ClosedLoop {
                 k,
             });
         }
-        let mut roll_torque = DVector::zeros(size);
-        roll_torque.rows_mut(0, n).copy_from(&bicycle.roll_torque);
-        Self {
-            a,
-            paths,
-            roll_torque,
-        }
+        Self { a, paths }
     }
 
     /// The finite model: delays as Legendre delay lines.
@@ -231,27 +224,6 @@ impl ClosedLoop {
             .collect();
         roots.sort_by(|a, b| b.re.total_cmp(&a.re).then(a.im.total_cmp(&b.im)));
         Ok(roots)
-    }
-
-    /// Torque of the rider on the handlebar, Nm, per roll torque on the frame, Nm, at a frequency;
-    /// the arms' own spring and damper are not counted.
-    pub fn bar_torque_per_roll_torque(&self, omega_rad_s: f64) -> f64 {
-        let s = Complex::new(0.0, omega_rad_s);
-        let (m, _) = self.matrix(s);
-        let push = self.roll_torque.map(|x| Complex::new(x, 0.0));
-        let Some(x) = m.lu().solve(&push) else {
-            return f64::INFINITY;
-        };
-        let torque: Complex<f64> = self
-            .paths
-            .iter()
-            .filter(|p| p.channel.limb == Limb::Bar)
-            .map(|p| {
-                let seen: Complex<f64> = p.k.iter().zip(x.iter()).map(|(k, x)| x * *k).sum();
-                seen * p.channel.transfer(s).0
-            })
-            .sum();
-        libm::hypot(torque.re, torque.im)
     }
 }
 

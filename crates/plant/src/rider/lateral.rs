@@ -22,8 +22,6 @@ pub struct LateralBicycle {
     pub(super) a: DMatrix<f64>,
     /// What torques on bar, trunk and knees do.
     pub(super) torque: [DVector<f64>; 3],
-    /// What a roll torque on the frame does.
-    pub(super) roll_torque: DVector<f64>,
     /// Rows that give the angles of bar, trunk and knees, and their rates.
     pub(super) angle: [[RowDVector<f64>; 2]; 3],
     /// Rows that give roll, roll rate and yaw rate.
@@ -70,7 +68,6 @@ impl LateralBicycle {
                     &[("left_leg_torque_nm", -1.0), ("right_leg_torque_nm", 1.0)],
                 ),
             ],
-            roll_torque: column(&linear, &[("roll_torque_nm", 1.0)]),
             angle: [
                 [
                     row(&[("steer_rad", 1.0)]),
