@@ -29,7 +29,7 @@ pub const CONTROLLER: &str = "controller-process";
 /// How long a child may take to end after its peer has.
 const LAST_WORDS: Duration = Duration::from_secs(10);
 /// Progress lines per ride.
-const PROGRESS_LINES: u64 = 200;
+const PROGRESS_LINES: u64 = 50;
 
 /// What a child is told. The ride is TOML: it keeps every bit of a number.
 #[derive(Serialize, Deserialize)]
@@ -89,7 +89,7 @@ type Done = (Outcome, Timing);
 /// If a process cannot be started or did not come to its end; what it said is on standard error.
 pub fn ride(
     ride: &Ride,
-    log: &Path,
+    log: Option<&Path>,
     link: &LinkArgs,
     stop: &AtomicBool,
     bar: &ProgressBar,
@@ -103,7 +103,7 @@ pub fn ride(
         pacing: link.pacing().name().to_owned(),
         waiting: link.waiting().name().to_owned(),
         ride_toml: ride.to_toml(),
-        log: Some(log.to_owned()),
+        log: log.map(Path::to_owned),
         report_every: (ride.ticks() / PROGRESS_LINES).max(1),
         run_dir: None,
     })?;
@@ -126,11 +126,11 @@ pub fn ride(
         return Ok(done_with(done, log));
     }
     let what = anyhow!(
-        "the ride broke off at {:.1} s: the plant's process {}, the controller's process {}; the log so far is {}",
+        "the ride broke off at {:.1} s: the plant's process {}, the controller's process {}{}",
         bar.position() as f64 * 1e-3,
         fate(plant_end),
         fate(controller_end),
-        log.display()
+        log.map_or(String::new(), |log| format!("; the log so far is {}", log.display()))
     );
     Err(if stop.load(Ordering::Relaxed) {
         exit::interrupted(what)
@@ -140,7 +140,7 @@ pub fn ride(
 }
 
 /// The outcome that the plant told.
-fn done_with(done: Told, log: &Path) -> Done {
+fn done_with(done: Told, log: Option<&Path>) -> Done {
     let (stopped, metrics, digest, timing) = done;
     let ending = match (stopped, metrics.fell) {
         (true, _) => Ending::Stopped,
@@ -151,7 +151,7 @@ fn done_with(done: Told, log: &Path) -> Done {
         ending,
         metrics,
         digest,
-        log: Some(log.to_owned()),
+        log: log.map(Path::to_owned),
     };
     (outcome, timing)
 }

@@ -44,6 +44,9 @@ pub struct RideArgs {
     /// Directory for logs and reports; each ride gets a directory of its own in it.
     #[arg(long, default_value = "rides")]
     out: PathBuf,
+    /// Write no log, and so no page and no digest: what the closed loop costs by itself.
+    #[arg(long, conflicts_with = "out")]
+    no_log: bool,
     /// Print the result as JSON.
     #[arg(long)]
     json: bool,
@@ -78,7 +81,10 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
     assignments.extend(args.seed.map(|seed| format!("seed={seed}")));
     let mut ride = Ride::load(&args.course, &assignments).map_err(exit::bad_input)?;
     ride.course.link_fault.extend(&args.link.faults);
-    let dir = new_directory(&args.out, &ride.name).map_err(exit::environment)?;
+    let dir = match args.no_log {
+        true => None,
+        false => Some(new_directory(&args.out, &ride.name).map_err(exit::environment)?),
+    };
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
@@ -89,22 +95,23 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         let ride = ride.with_stabilizer(on);
         let name = if on { "on" } else { "off" };
         let bar = progress_bar(ride.ticks(), name);
-        let log = dir.join(format!("{name}.mcap"));
+        let log = dir.as_ref().map(|dir| dir.join(format!("{name}.mcap")));
+        let log = log.as_deref();
         let done = match &controller {
-            Some(controller) => streams::ride(controller, &ride, &log, &args.link, &stop, &bar),
+            Some(controller) => streams::ride(controller, &ride, log, &args.link, &stop, &bar),
             None if args.link.target() == Target::InProcess => {
                 let mut port = InProcess::new(twinhub_sim::in_process(&ride.law));
-                with_port(&ride, &log, &args.link, &stop, &bar, &mut port).map(without_cost)
+                with_port(&ride, log, &args.link, &stop, &bar, &mut port).map(without_cost)
             }
-            None => processes::ride(&ride, &log, &args.link, &stop, &bar).map(without_cost),
+            None => processes::ride(&ride, log, &args.link, &stop, &bar).map(without_cost),
         };
         bar.finish_and_clear();
         let (outcome, timing, cost) = done?;
         if outcome.ending == Ending::Stopped {
             eprintln!(
-                "stopped after {:.1} s; the log is {}",
+                "stopped after {:.1} s{}",
                 outcome.metrics.ticks as f64 * 1e-3,
-                log.display()
+                log.map_or(String::new(), |log| format!("; the log is {}", log.display()))
             );
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
@@ -115,14 +122,16 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
             cost,
         });
     }
-    let page = dir.join("report.html");
-    crate::ride_report::write(&page, &ride, &runs).map_err(exit::environment)?;
+    let page = dir.map(|dir| dir.join("report.html"));
+    if let Some(page) = &page {
+        crate::ride_report::write(page, &ride, &runs).map_err(exit::environment)?;
+    }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&as_json(&runs, &page))?);
+        println!("{}", serde_json::to_string_pretty(&as_json(&runs, page.as_deref()))?);
     } else {
         print!("{}", crate::ride_report::table(&ride, &runs));
         print!("{}", crate::ride_report::punctuality(&runs));
-        print!("{}", crate::ride_report::footer(&page));
+        print!("{}", crate::ride_report::footer(page.as_deref()));
     }
     let fell = runs.iter().any(|run| run.outcome.metrics.fell);
     Ok(if fell {
@@ -158,7 +167,7 @@ fn without_cost((outcome, timing): (Outcome, Timing)) -> (Outcome, Timing, Optio
 /// As [`twinhub_sim::ride`].
 pub fn with_port(
     ride: &Ride,
-    log: &Path,
+    log: Option<&Path>,
     link: &LinkArgs,
     stop: &AtomicBool,
     bar: &ProgressBar,
@@ -166,7 +175,7 @@ pub fn with_port(
 ) -> anyhow::Result<(Outcome, Timing)> {
     let (version, git_hash) = program();
     let settings = Settings {
-        log: Some(log.to_owned()),
+        log: log.map(Path::to_owned),
         version,
         git_hash,
     };
@@ -225,7 +234,7 @@ fn progress_bar(ticks: u64, name: &str) -> ProgressBar {
     bar
 }
 
-fn as_json(runs: &[Run], page: &Path) -> serde_json::Value {
+fn as_json(runs: &[Run], page: Option<&Path>) -> serde_json::Value {
     let runs: Vec<_> = runs
         .iter()
         .map(|run| {

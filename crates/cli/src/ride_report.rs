@@ -123,14 +123,18 @@ fn next_commands() -> Vec<String> {
     .into()
 }
 
-/// The lines below the table.
-pub fn footer(page: &Path) -> String {
-    let dir = page.parent().unwrap_or(Path::new("."));
-    let mut text = format!(
-        "\nreport  {}\nlogs    {1}/off.mcap {1}/on.mcap\ntry\n",
-        page.display(),
-        dir.display()
-    );
+/// The lines below the table; a ride without a log has no page.
+pub fn footer(page: Option<&Path>) -> String {
+    let mut text = "\n".to_owned();
+    if let Some(page) = page {
+        let dir = page.parent().unwrap_or(Path::new("."));
+        text += &format!(
+            "report  {}\nlogs    {1}/off.mcap {1}/on.mcap\n",
+            page.display(),
+            dir.display()
+        );
+    }
+    text += "try\n";
     for command in next_commands() {
         text += &format!("  {command}\n");
     }

@@ -101,7 +101,7 @@ impl Controller {
 pub fn ride(
     controller: &Controller,
     ride: &Ride,
-    log: &Path,
+    log: Option<&Path>,
     link: &LinkArgs,
     stop: &Arc<AtomicBool>,
     bar: &ProgressBar,

@@ -13,6 +13,7 @@
 
 mod account;
 pub mod doctor;
+mod cores;
 mod error;
 pub mod fault;
 mod faulty;

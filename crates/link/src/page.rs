@@ -24,6 +24,8 @@ const FLAG_BYTES: [usize; 2] = [0, 128];
 const SENT_BYTE: usize = 64;
 /// In lockstep the plant notes that for one frame out of so many: it costs a tenth of an exchange.
 pub(crate) const SENT_EVERY: u64 = 16;
+/// The core on which each side was when it last rang, plus one; beside its flag.
+const CORE_BYTES: [usize; 2] = [8, 136];
 /// The controller's account.
 const ACCOUNT_BYTE: usize = 256;
 
@@ -31,6 +33,8 @@ pub(crate) struct Page {
     page: *mut u8,
     own: usize,
     other: usize,
+    /// Where the cores of this and of the other side stand.
+    cores: [usize; 2],
 }
 
 impl Page {
@@ -76,14 +80,16 @@ impl Page {
         }
         .map_err(|e| LinkError::os("mapping the shared page", e))?;
         let [plant, controller] = FLAG_BYTES;
-        let (own, other) = match role {
-            Role::Plant => (plant, controller),
-            Role::Controller => (controller, plant),
+        let [plant_core, controller_core] = CORE_BYTES;
+        let (own, other, cores) = match role {
+            Role::Plant => (plant, controller, [plant_core, controller_core]),
+            Role::Controller => (controller, plant, [controller_core, plant_core]),
         };
         Ok(Self {
             page: page.cast(),
             own,
             other,
+            cores,
         })
     }
 
@@ -109,6 +115,18 @@ impl Page {
     #[inline]
     pub(crate) fn sent_ns(&self) -> u64 {
         self.number(SENT_BYTE).load(Ordering::Relaxed)
+    }
+
+    /// Notes the core on which this side runs.
+    pub(crate) fn put_core(&self, core: usize) {
+        self.number(self.cores[0])
+            .store(core as u64 + 1, Ordering::Relaxed);
+    }
+
+    /// The core on which the other side was when it last rang, as it says.
+    pub(crate) fn other_core(&self) -> Option<usize> {
+        let noted = self.number(self.cores[1]).load(Ordering::Relaxed);
+        usize::try_from(noted.checked_sub(1)?).ok()
     }
 
     /// Puts down the controller's account of itself.

@@ -1,6 +1,7 @@
 //! The process at the other end: its socket, and a descriptor that tells when it dies.
 
 use crate::LinkError;
+use crate::page::Page;
 use crate::ride::own_uid;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::{RecvFlags, SendFlags, recv, send};
@@ -44,8 +45,10 @@ impl Peer {
         Ok(Self { socket, pidfd, pid })
     }
 
-    /// Wakes the other side.
-    pub(crate) fn ring(&self) {
+    /// Wakes the other side, and says from which core.
+    #[cold]
+    pub(crate) fn ring(&self, page: &Page) {
+        page.put_core(rustix::thread::sched_getcpu());
         // A full socket means that rings enough are waiting; a broken one shows at the next wait.
         let _ = send(
             &self.socket,

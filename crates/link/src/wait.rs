@@ -5,10 +5,13 @@
 //! the next one's limit, one that does not halves it down to none. Now and then a wait tries the
 //! full limit and keeps it where that succeeds: every 64th, and more rarely the more often
 //! spinning fails. So a single core, or a machine with other work, falls back to sleeping by
-//! itself. There is no yielding in between: it hands the core to whatever else runs for a whole
+//! itself. Two sides that find themselves on one core of several part. There is no yielding in
+//! between: it hands the core to whatever else runs for a whole
 //! time slice, while a sleeper that is rung gets it back at once.
 
 use crate::LinkError;
+use crate::cores::step_off;
+use crate::hello::Role;
 use crate::page::Page;
 use crate::peer::{Peer, Woken};
 use std::sync::Arc;
@@ -46,14 +49,16 @@ impl std::str::FromStr for Waiting {
     }
 }
 
-/// Longest spin.
-const SPIN_MAX: Duration = Duration::from_micros(100);
+/// Longest spin: more than what a thread that writes a log takes from a core at a time.
+const SPIN_MAX: Duration = Duration::from_micros(500);
 /// A shorter spin than this catches nothing; sleep at once instead.
 const SPIN_MIN: Duration = Duration::from_micros(6);
 /// Waits between two tries of the longest spin, while spinning succeeds.
 const PROBE_MIN: u64 = 64;
 /// The same, while it fails again and again.
 const PROBE_MAX: u64 = 4096;
+/// Sleeps between two looks whether both sides are on one core.
+const STEP_OFF_EVERY: u64 = 64;
 /// Longest sleep before the stop flag is looked at.
 pub(crate) const NAP: Duration = Duration::from_millis(20);
 /// How often a long wait is reported.
@@ -69,7 +74,9 @@ pub(crate) struct Waiter {
     probe_after: u64,
     stop: Arc<AtomicBool>,
     notice: Notice,
-    other: &'static str,
+    other: Role,
+    /// Sleeps so far.
+    sleeps: u64,
 }
 
 impl Waiter {
@@ -77,7 +84,7 @@ impl Waiter {
         waiting: Waiting,
         stop: Arc<AtomicBool>,
         notice: Notice,
-        other: &'static str,
+        other: Role,
     ) -> Self {
         Self {
             waiting,
@@ -87,6 +94,7 @@ impl Waiter {
             stop,
             notice,
             other,
+            sleeps: 0,
         }
     }
 
@@ -135,7 +143,7 @@ impl Waiter {
 
     #[cold]
     fn sleep<T>(
-        &self,
+        &mut self,
         peer: &Peer,
         page: &Page,
         tick: u64,
@@ -184,7 +192,7 @@ impl Waiter {
                 break None;
             }
             if now >= report {
-                let (other, pid, s) = (self.other, peer.pid, (now - start).as_secs());
+                let (other, pid, s) = (self.other.name(), peer.pid, (now - start).as_secs());
                 (self.notice)(&format!(
                     "waiting for the {other} (pid {pid}) at tick {tick} for {s} s; it lives, but does not answer"
                 ));
@@ -192,7 +200,23 @@ impl Waiter {
             }
         };
         page.get_up();
+        self.keep_apart(page);
         Ok(found)
+    }
+
+    /// Spinning fails for good when both sides share a core, and sides that sleep in turn look to
+    /// the system as if one core were enough: the controller steps off the plant's.
+    fn keep_apart(&mut self, page: &Page) {
+        let try_now = self.sleeps.is_multiple_of(STEP_OFF_EVERY);
+        self.sleeps += 1;
+        if try_now
+            && self.waiting == Waiting::Spin
+            && self.other == Role::Plant
+            && let Some(core) = page.other_core()
+            && step_off(core)
+        {
+            self.limit = SPIN_MAX;
+        }
     }
 }
 

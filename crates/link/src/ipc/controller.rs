@@ -215,7 +215,7 @@ impl ControllerEnd {
         let channels = self.channels.as_ref().ok_or_else(closed)?;
         channels.send(frame);
         if self.page.other_sleeps() {
-            self.peer.ring();
+            self.peer.ring(&self.page);
         }
         Ok(())
     }

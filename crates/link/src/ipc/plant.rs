@@ -73,7 +73,7 @@ impl PlantEnd {
         }
         channels.send(frame);
         if self.page.other_sleeps() {
-            self.peer.ring();
+            self.peer.ring(&self.page);
         }
         Ok(())
     }

@@ -55,7 +55,7 @@ impl Settings {
             self.waiting,
             self.stop.clone(),
             self.notice.clone(),
-            other.name(),
+            other,
         )
     }
 }

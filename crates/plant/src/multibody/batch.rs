@@ -25,7 +25,7 @@ use crate::road::Road;
 /// What a right-hand side gives besides the derivative.
 type Contacts<T> = Option<[WheelContact<T>; 2]>;
 
-/// The right-hand side.
+/// The right-hand side, and the contacts of the tyres.
 #[inline]
 pub(super) fn rhs<T: Scalar>(
     model: &Multibody,
@@ -33,14 +33,13 @@ pub(super) fn rhs<T: Scalar>(
     input: &Input<T>,
     road: Option<&Road>,
     dx: &mut State<T>,
-) {
+) -> Contacts<T> {
     #[cfg(target_arch = "x86_64")]
     if T::WIDE && has_avx2() {
         // SAFETY: the processor has AVX2.
-        unsafe { rhs_avx2(model, x, input, road, dx) };
-        return;
+        return unsafe { rhs_avx2(model, x, input, road, dx) };
     }
-    rhs_plain(model, x, input, road, dx);
+    rhs_plain(model, x, input, road, dx)
 }
 
 /// Goes on by `steps` steps of `step_s` seconds.

@@ -100,13 +100,25 @@ pub struct WheelContact<T> {
 }
 
 impl<T: Scalar> Ground<T> {
+    /// The plane at height zero.
+    #[inline(always)]
+    pub(super) fn level(friction: T) -> Self {
+        let z = T::zero();
+        Self {
+            point: [z; 3],
+            normal: [z, z, T::one()],
+            friction,
+            level: true,
+        }
+    }
+
     /// The normal in base axes.
     #[inline(always)]
-    fn down(&self, pose: &Pose<T>) -> Vec3<T> {
+    fn down(&self, rotation: &[Vec3<T>; 3]) -> Vec3<T> {
         if self.level {
-            pose.rotation[2]
+            rotation[2]
         } else {
-            super::vector::columns_times(&pose.rotation, self.normal)
+            super::vector::columns_times(rotation, self.normal)
         }
     }
 
@@ -130,15 +142,15 @@ fn inverse_cosine<T: Scalar>(sin_camber: T) -> T {
 
 /// Contact point of the rear wheel: its hub is the origin, its axle the lateral axis.
 #[inline(always)]
-fn rear_point<T: Scalar>(
+pub(super) fn rear_point<T: Scalar>(
     v: &Spatial<T>,
     position: Vec3<T>,
-    pose: &Pose<T>,
+    rotation: &[Vec3<T>; 3],
     ground: &Ground<T>,
     rigid_radius: Option<f64>,
 ) -> ContactPoint<T> {
     let zero = T::zero();
-    let down = ground.down(pose);
+    let down = ground.down(rotation);
     let sin_camber = down[1];
     let inverse_cos = inverse_cosine(sin_camber);
     let forward = [down[2] * inverse_cos, zero, -(down[0] * inverse_cos)];
@@ -179,7 +191,7 @@ fn front_point<T: Scalar>(
     rigid_radius: Option<f64>,
 ) -> ContactPoint<T> {
     let (hub, axle) = (pose.front_hub, pose.front_axle);
-    let down = ground.down(pose);
+    let down = ground.down(&pose.rotation);
     let sin_camber = dot(axle, down);
     let inverse_cos = inverse_cosine(sin_camber);
     let radial = scale(sub(down, scale(axle, sin_camber)), inverse_cos);
@@ -224,7 +236,7 @@ pub(super) fn contact_points<T: Scalar>(
     let radius = |k: usize| rigid.then_some(tree.wheels[k].radius);
     let steer = (&tree.steer.motion, x[STEER_RATE]);
     [
-        rear_point(&v, position, pose, &grounds[0], radius(0)),
+        rear_point(&v, position, &pose.rotation, &grounds[0], radius(0)),
         front_point(steer, &v, position, pose, &grounds[1], radius(1)),
     ]
 }
@@ -332,7 +344,7 @@ pub(super) fn lying_wrench<T: Scalar>(
     ground: &Ground<T>,
 ) -> Spatial<T> {
     use super::state::StateAccess;
-    let down = ground.down(pose);
+    let down = ground.down(&pose.rotation);
     let z = T::zero();
     // The side that is lower.
     let width = T::from_f64(LYING_HALF_WIDTH_M);

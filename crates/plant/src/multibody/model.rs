@@ -167,15 +167,8 @@ impl Multibody {
         pose: &Pose<T>,
         road: Option<&Road>,
     ) -> [Ground<T>; 2] {
-        let z = T::zero();
-        let level = Ground {
-            point: [z; 3],
-            normal: [z, z, T::one()],
-            friction: T::one(),
-            level: true,
-        };
         match road {
-            None => [level; 2],
+            None => [Ground::level(T::one()); 2],
             Some(road) => {
                 let hub = rows_times(&pose.rotation, pose.front_hub);
                 [
@@ -184,6 +177,11 @@ impl Multibody {
                 ]
             }
         }
+    }
+
+    /// The road under the rear hub alone.
+    pub(super) fn rear_ground(x: &State, road: Option<&Road>) -> Ground<f64> {
+        road.map_or_else(|| Ground::level(1.0), |road| ground(road, x[0], x[1]))
     }
 
     /// All forces but those of the no-slip constraint, and the wheels' contacts.
@@ -304,13 +302,7 @@ impl Multibody {
 fn ground<T: Scalar>(road: &Road, x: T, y: T) -> Ground<T> {
     let friction = road.friction_ratio(x, y);
     if road.is_level() {
-        let z = T::zero();
-        return Ground {
-            point: [z; 3],
-            normal: [z, z, T::one()],
-            friction,
-            level: true,
-        };
+        return Ground::level(friction);
     }
     let s = road.surface(x, y);
     let (a, b) = (s.along_ratio, s.across_ratio);

@@ -156,14 +156,14 @@ impl Multibody {
         road: Option<&Road>,
         dx: &mut State,
     ) -> [WheelContact<f64>; 2] {
-        let pose = self.tree.pose(x);
-        let grounds = self.grounds(x, &pose, road);
-        let (forces, contacts) = self.forces(x, input, &pose, &grounds, dx);
-        if let Some(contacts) = contacts {
-            let factored = self.tree.factor(x, &pose, self.parameters.gravity_m_s2);
-            super::dynamics::derivative(x, &pose, &factored.accelerations(&self.tree, &forces), dx);
+        if !self.no_slip
+            && let Some(contacts) = super::batch::rhs(self, x, input, road, dx)
+        {
             return contacts;
         }
+        let pose = self.tree.pose(x);
+        let grounds = self.grounds(x, &pose, road);
+        let (forces, _) = self.forces(x, input, &pose, &grounds, dx);
         let lambda = self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
         let points = super::contact::contact_points(&self.tree, x, &pose, &grounds, true);
         core::array::from_fn(|k| {
@@ -192,15 +192,15 @@ impl Multibody {
     ) -> Truth {
         let mut dx = [0.0; super::STATES];
         let contacts = self.observed(x, input, road, &mut dx);
-        let pose = self.tree.pose(x);
-        let points = super::contact::contact_points(
-            &self.tree,
-            x,
-            &pose,
-            &self.grounds(x, &pose, road),
-            self.no_slip,
+        let rotation = super::vector::rotation(&x.attitude());
+        let rear = super::contact::rear_point(
+            &x.base_motion(),
+            [x[0], x[1], x[2]],
+            &rotation,
+            &Self::rear_ground(x, road),
+            self.no_slip.then_some(self.tree.wheels[0].radius),
         );
-        let (yaw, roll, pitch) = x.yaw_roll_pitch_rad();
+        let (yaw, roll, pitch) = super::vector::yaw_roll_pitch(&rotation);
         let ((_, cr), (sp, cp)) = (libm::sincos(roll), libm::sincos(pitch));
         let w: Vec3<f64> = [x[ANGULAR], x[ANGULAR + 1], x[ANGULAR + 2]];
         let v: Vec3<f64> = [x[VELOCITY], x[VELOCITY + 1], x[VELOCITY + 2]];
@@ -212,8 +212,8 @@ impl Multibody {
             cross(w, v),
         );
         let sensed = add(linear, add(cross(alpha, at), cross(w, cross(w, at))));
-        let gravity = columns_times(&pose.rotation, [0.0, 0.0, self.parameters.gravity_m_s2]);
-        let contact = rows_times(&pose.rotation, points[0].arm);
+        let gravity = columns_times(&rotation, [0.0, 0.0, self.parameters.gravity_m_s2]);
+        let contact = rows_times(&rotation, rear.arm);
         Truth {
             roll_rad: roll,
             steer_rad: x[STEER],
