@@ -49,7 +49,16 @@ impl<P> Listening<P> {
 impl<P: ControllerPort> ControllerPort for Listening<P> {
     #[inline]
     fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        let answer = self.port.exchange(frame);
+        self.exchange_during(frame, &mut || {})
+    }
+
+    #[inline]
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        let answer = self.port.exchange_during(frame, meanwhile);
         match &answer {
             Ok(Some(_)) => self.silent = 0,
             Ok(None) => {

@@ -130,7 +130,10 @@ pub fn ride(
         bar.position() as f64 * 1e-3,
         fate(plant_end),
         fate(controller_end),
-        log.map_or(String::new(), |log| format!("; the log so far is {}", log.display()))
+        log.map_or(String::new(), |log| format!(
+            "; the log so far is {}",
+            log.display()
+        ))
     );
     Err(if stop.load(Ordering::Relaxed) {
         exit::interrupted(what)

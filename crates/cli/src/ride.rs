@@ -111,7 +111,10 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
             eprintln!(
                 "stopped after {:.1} s{}",
                 outcome.metrics.ticks as f64 * 1e-3,
-                log.map_or(String::new(), |log| format!("; the log is {}", log.display()))
+                log.map_or(String::new(), |log| format!(
+                    "; the log is {}",
+                    log.display()
+                ))
             );
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
@@ -127,7 +130,10 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         crate::ride_report::write(page, &ride, &runs).map_err(exit::environment)?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&as_json(&runs, page.as_deref()))?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&as_json(&runs, page.as_deref()))?
+        );
     } else {
         print!("{}", crate::ride_report::table(&ride, &runs));
         print!("{}", crate::ride_report::punctuality(&runs));

@@ -82,6 +82,20 @@ impl<P: ControllerPort> ControllerPort for Faulty<P> {
         Ok(answer.filter(|answer| self.newest.take(answer, header.sequence)))
     }
 
+    #[inline]
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        if self.to_controller.is_empty() && self.to_plant.is_empty() {
+            return self.port.exchange_during(frame, meanwhile);
+        }
+        let answer = self.exchange(frame);
+        meanwhile();
+        answer
+    }
+
     fn next_event(&mut self) -> Option<LinkEvent> {
         self.events.pop_front().or_else(|| self.port.next_event())
     }

@@ -12,8 +12,8 @@
 //! Linux only: it watches the other process by a pidfd (5.3 or newer).
 
 mod account;
-pub mod doctor;
 mod cores;
+pub mod doctor;
 mod error;
 pub mod fault;
 mod faulty;

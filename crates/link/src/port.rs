@@ -48,6 +48,21 @@ pub trait ControllerPort {
     /// If the controller is lost for good. The port is not used any more after that.
     fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError>;
 
+    /// The same, doing `meanwhile` once, while the answer is on its way where that is possible; it is
+    /// also done if the exchange fails.
+    ///
+    /// # Errors
+    /// As [`exchange`](Self::exchange).
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        let answer = self.exchange(frame);
+        meanwhile();
+        answer
+    }
+
     /// What happened on the way and was not told yet, oldest first.
     fn next_event(&mut self) -> Option<LinkEvent> {
         None
@@ -78,6 +93,14 @@ macro_rules! forward {
                 frame: &PlantFrame,
             ) -> Result<Option<ControllerFrame>, LinkError> {
                 (**self).exchange(frame)
+            }
+            #[inline]
+            fn exchange_during(
+                &mut self,
+                frame: &PlantFrame,
+                meanwhile: &mut dyn FnMut(),
+            ) -> Result<Option<ControllerFrame>, LinkError> {
+                (**self).exchange_during(frame, meanwhile)
             }
             fn next_event(&mut self) -> Option<LinkEvent> {
                 (**self).next_event()

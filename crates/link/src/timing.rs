@@ -80,7 +80,8 @@ pub struct Instructions {
 pub struct Timing {
     /// `lockstep` or `realtime`.
     pub pacing: String,
-    /// From handing over a frame to its answer, µs.
+    /// From handing over a frame to having its answer, µs: what the plant does meanwhile, for the
+    /// same tick, is shorter than an exchange between processes, but counts in one process.
     pub round_trip_us: Quantiles,
     /// How late ticks began, µs; nothing is measured in lockstep, where no tick is ever late.
     pub lateness_us: Quantiles,
@@ -178,9 +179,18 @@ impl<P: ControllerPort> Timed<P> {
 impl<P: ControllerPort> ControllerPort for Timed<P> {
     #[inline]
     fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+        self.exchange_during(frame, &mut || {})
+    }
+
+    #[inline]
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
         self.wait_for_the_tick();
         let start = Instant::now();
-        let answer = self.port.exchange(frame)?;
+        let answer = self.port.exchange_during(frame, meanwhile)?;
         let end = Instant::now();
         let took = end - start;
         self.span = Some((self.span.map_or(start, |span| span.0), end));

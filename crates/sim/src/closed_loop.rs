@@ -13,9 +13,9 @@ use std::path::PathBuf;
 use twinhub_link::protocol::is_plausible;
 use twinhub_link::{ControllerPort, Faulty, LinkError, Pacing, Timing};
 use twinhub_log::Level;
-use twinhub_plant::disturbance::Disturbances;
+use twinhub_plant::disturbance::{Disturbances, Wrench};
 use twinhub_plant::motor::{PowerOutput, PowerTrain};
-use twinhub_plant::rider::{Perception, Rider};
+use twinhub_plant::rider::{Action, Perception, Rider};
 use twinhub_plant::sensor::{SensorSuite, SensorTruth};
 use twinhub_plant::{PlantInput, PlantModel, Truth};
 use twinhub_types::messages::PROTOCOL_HASH;
@@ -129,8 +129,10 @@ pub fn ride(
             RideState::Running
         };
         let frame = bench.frame(now, tick, state, &truth);
+        let mut acts = None;
+        let mut act = || acts = Some(bench.act(now, &truth));
         let answer = match &lost {
-            None => match port.exchange(&frame) {
+            None => match port.exchange_during(&frame, &mut act) {
                 Ok(answer) => {
                     let usable = answer.filter(is_plausible);
                     if let (Some(log), None, Some(answer)) = (&mut logger, &usable, &answer)
@@ -178,7 +180,8 @@ pub fn ride(
             let text = format!("no answer for {SILENCE_TICKS} ms; the drives ramp out after 20 ms");
             log.event(now, Level::Warning, "link.silence", &text)?;
         }
-        let (row, rider) = bench.step(now, &truth, answer.as_ref());
+        let acts = acts.unwrap_or_else(|| bench.act(now, &truth));
+        let (row, rider) = bench.step(now, &truth, &acts, answer.as_ref());
         sums.add(&row, &rider, TICK_S);
         if let Some(log) = &mut logger {
             log.tick(
@@ -221,6 +224,13 @@ pub fn ride(
         digest,
         log,
     })
+}
+
+/// What rider and disturbances do in a tick.
+struct Acts {
+    wanted_speed_m_s: f64,
+    rider: Action,
+    side: Wrench,
 }
 
 /// Everything on the plant's side of the link.
@@ -291,15 +301,26 @@ impl<'a> Bench<'a> {
         self.power_out.front_reported_nm == 0.0 && self.power_out.rear_reported_nm == 0.0
     }
 
+    /// What rider and disturbances do in this tick: nothing of it hangs on the controller's answer,
+    /// so it is worked out while that is on its way.
+    fn act(&mut self, now: Instant, truth: &Truth) -> Acts {
+        let wanted_speed_m_s = self.ride.course.speed_m_s(now.as_secs_f64());
+        Acts {
+            wanted_speed_m_s,
+            rider: self.rider.act(&perception(truth, wanted_speed_m_s), TICK_S),
+            side: self.disturbances.at(now.as_secs_f64()),
+        }
+    }
+
     /// Goes on by one tick under the controller's answer; `None` is silence.
     fn step(
         &mut self,
         now: Instant,
         truth: &Truth,
+        acts: &Acts,
         answer: Option<&ControllerFrame>,
     ) -> (TruthRow, RiderRow) {
-        let wanted_speed_m_s = self.ride.course.speed_m_s(now.as_secs_f64());
-        let action = self.rider.act(&perception(truth, wanted_speed_m_s), TICK_S);
+        let (action, side) = (&acts.rider, &acts.side);
         self.power_out = self.power.step(
             now,
             answer.map(|a| a.output.command),
@@ -307,7 +328,6 @@ impl<'a> Bench<'a> {
             truth.rear_wheel_rate_rad_s,
             TICK,
         );
-        let side = self.disturbances.at(now.as_secs_f64());
         let wind = self.ride.course.plant.wind();
         let input = PlantInput {
             front_brake_nm: self.power_out.front_brake_nm,
@@ -338,7 +358,7 @@ impl<'a> Bench<'a> {
             left_leg_torque_nm: action.leg_torque_nm[0],
             right_leg_torque_nm: action.leg_torque_nm[1],
             pedal_force_n: action.pedal_force_n,
-            wanted_speed_m_s,
+            wanted_speed_m_s: acts.wanted_speed_m_s,
         };
         (row, rider)
     }

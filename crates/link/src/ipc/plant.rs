@@ -100,9 +100,9 @@ impl PlantEnd {
     fn receive_in_time(
         &mut self,
         frame: &PlantFrame,
+        deadline: Instant,
     ) -> Result<Option<ControllerFrame>, LinkError> {
         let (tick, sequence) = (frame.header.tick, frame.header.sequence);
-        let deadline = Instant::now() + ANSWER_WAIT;
         let mut found = None;
         while let Some(answer) = self.receive(tick, Some(deadline))? {
             check_hash("controller", &answer.header, tick)?;
@@ -120,9 +120,21 @@ impl PlantEnd {
 impl ControllerPort for PlantEnd {
     #[inline]
     fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        self.send(frame)?;
-        if self.pacing == Pacing::RealTime {
-            return self.receive_in_time(frame);
+        self.exchange_during(frame, &mut || {})
+    }
+
+    #[inline]
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        let sent = self.send(frame);
+        let deadline = (self.pacing == Pacing::RealTime).then(|| Instant::now() + ANSWER_WAIT);
+        meanwhile();
+        sent?;
+        if let Some(deadline) = deadline {
+            return self.receive_in_time(frame, deadline);
         }
         let (tick, sequence) = (frame.header.tick, frame.header.sequence);
         let answer = self.receive(tick, None)?.ok_or_else(closed)?;

@@ -51,12 +51,7 @@ impl Settings {
     }
 
     pub(super) fn waiter(&self, other: Role) -> Waiter {
-        Waiter::new(
-            self.waiting,
-            self.stop.clone(),
-            self.notice.clone(),
-            other,
-        )
+        Waiter::new(self.waiting, self.stop.clone(), self.notice.clone(), other)
     }
 }
 

@@ -14,7 +14,7 @@
 //! `multibody/tests`.
 
 use super::contact::WheelContact;
-use super::model::{Input, Multibody};
+use super::model::{Input, Multibody, Prepared};
 use super::state::State;
 use crate::Scalar;
 use crate::lanes::Lanes;
@@ -58,6 +58,76 @@ pub(super) fn advance<T: Scalar>(
         return;
     }
     advance_plain(model, x, input, road, step_s, steps);
+}
+
+/// What the right-hand side on tyres needs of a state.
+pub(super) fn prepare(
+    model: &Multibody,
+    x: &State,
+    rear_road_y_m_s: f64,
+    road: Option<&Road>,
+) -> Prepared<f64> {
+    #[cfg(target_arch = "x86_64")]
+    if has_avx2() {
+        // SAFETY: the processor has AVX2.
+        return unsafe { prepare_avx2(model, x, rear_road_y_m_s, road) };
+    }
+    model.prepare_inlined(x, rear_road_y_m_s, road)
+}
+
+/// The right-hand side on tyres of a prepared state.
+pub(super) fn finish(
+    model: &Multibody,
+    prepared: &Prepared<f64>,
+    x: &State,
+    input: &Input,
+    dx: &mut State,
+) {
+    #[cfg(target_arch = "x86_64")]
+    if has_avx2() {
+        // SAFETY: the processor has AVX2.
+        return unsafe { finish_avx2(model, prepared, x, input, dx) };
+    }
+    model.finish_inlined(prepared, x, input, dx);
+}
+
+/// Goes on by one step of `step_s` seconds from a prepared state.
+pub(super) fn advance_prepared(
+    model: &Multibody,
+    x: &mut State,
+    input: &Input,
+    road: Option<&Road>,
+    step_s: f64,
+    prepared: &Prepared<f64>,
+) {
+    let first = |x: &State, dx: &mut State| {
+        finish(model, prepared, x, input, dx);
+        Some(prepared.tyres.contacts)
+    };
+    model.step_by(x, step_s, first, |x, dx| rhs(model, x, input, road, dx));
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn prepare_avx2(
+    model: &Multibody,
+    x: &State,
+    rear_road_y_m_s: f64,
+    road: Option<&Road>,
+) -> Prepared<f64> {
+    model.prepare_inlined(x, rear_road_y_m_s, road)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn finish_avx2(
+    model: &Multibody,
+    prepared: &Prepared<f64>,
+    x: &State,
+    input: &Input,
+    dx: &mut State,
+) {
+    model.finish_inlined(prepared, x, input, dx);
 }
 
 /// Right-hand sides of `N` scenarios.
@@ -224,7 +294,8 @@ pub(super) fn advance_plain<T: Scalar>(
     steps: usize,
 ) {
     for _ in 0..steps {
-        model.step_by(x, step_s, |x, dx| rhs_plain(model, x, input, road, dx));
+        let rhs = |x: &State<T>, dx: &mut State<T>| rhs_plain(model, x, input, road, dx);
+        model.step_by(x, step_s, rhs, rhs);
     }
 }
 
@@ -240,7 +311,8 @@ fn advance_avx2<T: Scalar>(
     steps: usize,
 ) {
     for _ in 0..steps {
-        model.step_by(x, step_s, |x, dx| rhs_avx2(model, x, input, road, dx));
+        let rhs = |x: &State<T>, dx: &mut State<T>| rhs_avx2(model, x, input, road, dx);
+        model.step_by(x, step_s, rhs, rhs);
     }
 }
 
@@ -270,6 +342,7 @@ fn advance_avx512(
     steps: usize,
 ) {
     for _ in 0..steps {
-        model.step_by(x, step_s, |x, dx| rhs_avx512(model, x, input, road, dx));
+        let rhs = |x: &State<Wide>, dx: &mut State<Wide>| rhs_avx512(model, x, input, road, dx);
+        model.step_by(x, step_s, rhs, rhs);
     }
 }

@@ -20,7 +20,7 @@ use super::dynamics::{Accelerations, Forces, Pose, derivative};
 use super::factored::{Factored, factor_symmetric, solve_symmetric};
 use super::inertia::{Spatial, power};
 use super::model::Multibody;
-use super::state::{ANGULAR, ATTITUDE, SPIN, STEER_RATE, State, StateAccess, VELOCITY};
+use super::state::{ANGULAR, ATTITUDE, SLIP, SPIN, STEER_RATE, State, StateAccess, VELOCITY};
 use super::tree::Tree;
 use super::vector::{cross, dot, lift};
 use crate::Scalar;
@@ -138,6 +138,8 @@ impl Multibody {
         let lambda = constraint.multipliers(wanted);
         constraint.add(&mut a, &lambda);
         derivative(x, pose, &a, dx);
+        // Nothing slips.
+        dx[SLIP..SLIP + 4].fill(T::zero());
         lambda
     }
 

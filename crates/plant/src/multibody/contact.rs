@@ -241,7 +241,8 @@ pub(super) fn contact_points<T: Scalar>(
     ]
 }
 
-/// What the tyre does at a contact point. Writes the derivative of the relaxed slips.
+/// What the tyre does at a contact point. Writes the derivatives of the relaxed slips: side slip of
+/// both wheels, then longitudinal slip.
 #[inline(always)]
 pub(super) fn tyre_contact<T: Scalar>(
     (wheel, radius): (usize, f64),
@@ -250,7 +251,7 @@ pub(super) fn tyre_contact<T: Scalar>(
     at: &ContactPoint<T>,
     x: &State<T>,
     friction: T,
-    dx: &mut State<T>,
+    slip_rates: &mut [T; 4],
 ) -> WheelContact<T> {
     let zero = T::zero();
     let speed = dot(at.velocity, at.forward);
@@ -270,13 +271,11 @@ pub(super) fn tyre_contact<T: Scalar>(
     let (tangent, ratio) = match tyre.relaxation_length_m() {
         Some(length) => {
             let (tangent, ratio) = (x[SLIP + wheel], x[SLIP + 2 + wheel]);
-            dx[SLIP + wheel] = (slide - reference * tangent).scale(1.0 / length);
-            dx[SLIP + 2 + wheel] = (creep - reference * ratio).scale(1.0 / length);
+            slip_rates[wheel] = (slide - reference * tangent).scale(1.0 / length);
+            slip_rates[2 + wheel] = (creep - reference * ratio).scale(1.0 / length);
             (tangent, ratio)
         }
         None => {
-            dx[SLIP + wheel] = zero;
-            dx[SLIP + 2 + wheel] = zero;
             let inverse = T::one() / reference;
             (slide * inverse, creep * inverse)
         }

@@ -16,13 +16,14 @@ use super::contact::{
 };
 use super::dynamics::{Accelerations, Forces, Pose, derivative};
 use super::error::MultibodyError;
+use super::factored::Factored;
 use super::inertia::{Spatial, power};
 use super::joints::{Springs, add_steer_torque};
 use super::parameters::{Air, Parameters};
-use super::state::{State, StateAccess};
+use super::state::{SLIP, State, StateAccess};
 use super::step::Stiffness;
 use super::tree::Tree;
-use super::vector::{Vec3, add, axpy, columns_times, cross, lift, rows_times, scale, sub};
+use super::vector::{Vec3, add, axpy, build, columns_times, cross, lift, rows_times, scale, sub};
 use crate::Scalar;
 use crate::road::Road;
 use crate::tyre::{Tyre, TyreModel};
@@ -69,6 +70,37 @@ impl<T: Scalar> Default for Input<T> {
             rear_road_y_m_s: z,
         }
     }
+}
+
+/// What the road does to a bicycle on tyres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TyreForces<T> {
+    wrench: Spatial<T>,
+    steer: T,
+    spin: [T; 2],
+    /// Derivatives of the relaxed slips.
+    slip_rates: [T; 4],
+    pub(super) contacts: [WheelContact<T>; 2],
+}
+
+impl<T: Scalar> TyreForces<T> {
+    #[inline(always)]
+    fn add_to(&self, forces: &mut Forces<T>) {
+        for k in 0..6 {
+            forces.wrench[k] += self.wrench[k];
+        }
+        forces.steer += self.steer;
+        forces.spin[0] += self.spin[0];
+        forces.spin[1] += self.spin[1];
+    }
+}
+
+/// What the right-hand side on tyres needs of a state, whatever acts.
+#[derive(Clone, Debug)]
+pub(super) struct Prepared<T> {
+    pose: Pose<T>,
+    pub(super) tyres: TyreForces<T>,
+    factored: Factored<T>,
 }
 
 /// The model.
@@ -146,17 +178,53 @@ impl Multibody {
         road: Option<&Road>,
         dx: &mut State<T>,
     ) -> Option<[WheelContact<T>; 2]> {
-        let pose = self.tree.pose(x);
-        let grounds = self.grounds(x, &pose, road);
-        let (forces, contacts) = self.forces(x, input, &pose, &grounds, dx);
         if self.no_slip {
-            self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
+            let pose = self.tree.pose(x);
+            let grounds = self.grounds(x, &pose, road);
+            self.rhs_no_slip(x, &pose, &self.applied(x, input, &pose), &grounds, dx);
             return None;
         }
-        let factored = self.tree.factor(x, &pose, self.parameters.gravity_m_s2);
+        let prepared = self.prepare_inlined(x, input.rear_road_y_m_s, road);
+        self.finish_inlined(&prepared, x, input, dx);
+        Some(prepared.tyres.contacts)
+    }
+
+    /// On tyres: all of the right-hand side that does not depend on what acts.
+    #[inline(always)]
+    pub(super) fn prepare_inlined<T: Scalar>(
+        &self,
+        x: &State<T>,
+        rear_road_y_m_s: T,
+        road: Option<&Road>,
+    ) -> Prepared<T> {
+        let pose = self.tree.pose(x);
+        let grounds = self.grounds(x, &pose, road);
+        Prepared {
+            tyres: self.tyre_forces(x, rear_road_y_m_s, &pose, &grounds),
+            factored: self.tree.factor(x, &pose, self.parameters.gravity_m_s2),
+            pose,
+        }
+    }
+
+    /// The rest of it.
+    #[inline(always)]
+    pub(super) fn finish_inlined<T: Scalar>(
+        &self,
+        prepared: &Prepared<T>,
+        x: &State<T>,
+        input: &Input<T>,
+        dx: &mut State<T>,
+    ) {
+        let Prepared {
+            pose,
+            tyres,
+            factored,
+        } = prepared;
+        let mut forces = self.applied(x, input, pose);
+        tyres.add_to(&mut forces);
         let a: Accelerations<T> = factored.accelerations(&self.tree, &forces);
-        derivative(x, &pose, &a, dx);
-        contacts
+        derivative(x, pose, &a, dx);
+        dx[SLIP..SLIP + 4].copy_from_slice(&tyres.slip_rates);
     }
 
     /// The road under each hub.
@@ -184,28 +252,22 @@ impl Multibody {
         road.map_or_else(|| Ground::level(1.0), |road| ground(road, x[0], x[1]))
     }
 
-    /// All forces but those of the no-slip constraint, and the wheels' contacts.
+    /// What the road does to tyres, and to a bicycle on its side.
     #[inline(always)]
-    pub(super) fn forces<T: Scalar>(
+    fn tyre_forces<T: Scalar>(
         &self,
         x: &State<T>,
-        input: &Input<T>,
+        rear_road_y_m_s: T,
         pose: &Pose<T>,
         grounds: &[Ground<T>; 2],
-        dx: &mut State<T>,
-    ) -> (Forces<T>, Option<[WheelContact<T>; 2]>) {
-        let mut f = self.applied(x, input, pose);
-        if self.no_slip {
-            for k in 0..4 {
-                dx[super::state::SLIP + k] = T::zero();
-            }
-            return (f, None);
-        }
+    ) -> TyreForces<T> {
         let mut points = contact_points(&self.tree, x, pose, grounds, false);
         // What slips is the tyre over the road, which may move.
-        points[0].velocity = axpy(points[0].velocity, -input.rear_road_y_m_s, pose.rotation[1]);
+        points[0].velocity = axpy(points[0].velocity, -rear_road_y_m_s, pose.rotation[1]);
         let floor = self.parameters.tyre.slip_speed_floor_m_s;
-        let contact = |k: usize, dx: &mut State<T>| {
+        let z = T::zero();
+        let mut slip_rates = [z; 4];
+        let mut contact = |k: usize| {
             let radius = self.tree.wheels[k].radius;
             tyre_contact(
                 (k, radius),
@@ -214,21 +276,20 @@ impl Multibody {
                 &points[k],
                 x,
                 grounds[k].friction,
-                dx,
+                &mut slip_rates,
             )
         };
-        let contacts = [contact(0, dx), contact(1, dx)];
-        let z = T::zero();
+        let contacts = [contact(0), contact(1)];
         let (rear, rear_spin) = wheel_wrench(&points[0], [z, T::one(), z], &contacts[0]);
         let (front, front_spin) = wheel_wrench(&points[1], pose.front_axle, &contacts[1]);
         let lying = lying_wrench(&self.tree, x, pose, &grounds[0]);
-        for k in 0..6 {
-            f.wrench[k] += rear[k] + front[k] + lying[k];
+        TyreForces {
+            wrench: build(|k| rear[k] + front[k] + lying[k]),
+            steer: power(&lift(&self.tree.steer.motion), &front),
+            spin: [rear_spin, front_spin],
+            slip_rates,
+            contacts,
         }
-        f.steer += power(&lift(&self.tree.steer.motion), &front);
-        f.spin[0] += rear_spin;
-        f.spin[1] += front_spin;
-        (f, Some(contacts))
     }
 
     /// Motors, rider, springs, air, disturbances.

@@ -13,7 +13,7 @@
 
 use super::contact::WheelContact;
 use super::error::MultibodyError;
-use super::model::{Input, Multibody};
+use super::model::{Input, Multibody, Prepared};
 use super::parameters::Parameters;
 use super::state::{
     ANGULAR, ATTITUDE, LEG_RATE, LEGS, SPIN, STEER, STEER_RATE, State, StateAccess, TRUNK,
@@ -23,6 +23,7 @@ use super::steady::Course;
 use super::vector::{Vec3, add, columns_times, cross, rows_times, sub};
 use crate::road::Road;
 use crate::truth::{PlantInput, PlantModel, Truth};
+use std::cell::OnceCell;
 
 /// Roll beyond which the bicycle counts as fallen, rad.
 const FALL_ROLL_RAD: f64 = 0.8;
@@ -34,6 +35,8 @@ pub struct Ride {
     road: Option<Road>,
     state: State,
     input: Input,
+    /// What the truth of the present state has worked out already and the next step needs too.
+    prepared: OnceCell<Prepared<f64>>,
     /// Accelerometer, coordinates of the parameters, m.
     sensor_at_m: [f64; 3],
     /// Angle of the right crank from its upper dead centre, forward, rad.
@@ -59,6 +62,7 @@ impl Ride {
             road,
             state,
             input: steady.input,
+            prepared: OnceCell::new(),
             sensor_at_m: [frame.x_m, 0.0, frame.z_m],
             crank_rad: 0.0,
             model,
@@ -84,6 +88,7 @@ impl Ride {
     /// Sets the state; without slip it is moved onto the constraints.
     pub fn set_state(&mut self, state: &State) {
         self.state = *state;
+        self.prepared.take();
         self.model.project(&mut self.state);
     }
 
@@ -113,9 +118,23 @@ impl Ride {
 
     /// Goes on by `step_s` seconds under `input`.
     pub fn advance(&mut self, input: &Input, step_s: f64) {
-        self.input = *input;
         let road = self.road.as_ref();
-        super::batch::advance(&self.model, &mut self.state, input, road, step_s, 1);
+        let known = self
+            .prepared
+            .take()
+            .filter(|_| self.input.rear_road_y_m_s == input.rear_road_y_m_s);
+        self.input = *input;
+        match known {
+            Some(prepared) => super::batch::advance_prepared(
+                &self.model,
+                &mut self.state,
+                input,
+                road,
+                step_s,
+                &prepared,
+            ),
+            None => super::batch::advance(&self.model, &mut self.state, input, road, step_s, 1),
+        }
     }
 
     /// Contacts of rear and front wheel; of a wheel without slip the load alone is meaningful.
@@ -163,8 +182,8 @@ impl Multibody {
         }
         let pose = self.tree.pose(x);
         let grounds = self.grounds(x, &pose, road);
-        let (forces, _) = self.forces(x, input, &pose, &grounds, dx);
-        let lambda = self.rhs_no_slip(x, &pose, &forces, &grounds, dx);
+        let applied = self.applied(x, input, &pose);
+        let lambda = self.rhs_no_slip(x, &pose, &applied, &grounds, dx);
         let points = super::contact::contact_points(&self.tree, x, &pose, &grounds, true);
         core::array::from_fn(|k| {
             let mut tyre = crate::tyre::TyreOutput::zero();
@@ -192,6 +211,17 @@ impl Multibody {
     ) -> Truth {
         let mut dx = [0.0; super::STATES];
         let contacts = self.observed(x, input, road, &mut dx);
+        self.truth_of(x, road, sensor_at_m, &dx, &contacts)
+    }
+
+    fn truth_of(
+        &self,
+        x: &State,
+        road: Option<&Road>,
+        sensor_at_m: [f64; 3],
+        dx: &State,
+        contacts: &[WheelContact<f64>; 2],
+    ) -> Truth {
         let rotation = super::vector::rotation(&x.attitude());
         let rear = super::contact::rear_point(
             &x.base_motion(),
@@ -250,12 +280,16 @@ impl PlantModel for Ride {
     }
 
     fn truth(&self) -> Truth {
-        self.model.truth(
-            &self.state,
-            &self.input,
-            self.road.as_ref(),
-            self.sensor_at_m,
-        )
+        let (model, x, road) = (&self.model, &self.state, self.road.as_ref());
+        if model.no_slip {
+            return model.truth(x, &self.input, road, self.sensor_at_m);
+        }
+        let prepared = self
+            .prepared
+            .get_or_init(|| super::batch::prepare(model, x, self.input.rear_road_y_m_s, road));
+        let mut dx = [0.0; super::STATES];
+        super::batch::finish(model, prepared, x, &self.input, &mut dx);
+        model.truth_of(x, road, self.sensor_at_m, &dx, &prepared.tyres.contacts)
     }
 
     fn fall_roll_rad(&self) -> f64 {

@@ -129,16 +129,18 @@ impl Multibody {
     }
 
     /// Goes on by `step_s` seconds; gives the number of parts that it took. `rhs` is the
-    /// right-hand side, compiled for this processor.
+    /// right-hand side, compiled for this processor; `first` is the same where it is called first,
+    /// in the state in which the step begins.
     #[inline(always)]
     pub(super) fn step_by<T: Scalar>(
         &self,
         x: &mut State<T>,
         step_s: f64,
+        first: impl FnOnce(&State<T>, &mut State<T>) -> Option<[WheelContact<T>; 2]>,
         rhs: impl Fn(&State<T>, &mut State<T>) -> Option<[WheelContact<T>; 2]>,
     ) -> usize {
         let mut slope = [T::zero(); STATES];
-        let Some(contacts) = rhs(x, &mut slope) else {
+        let Some(contacts) = first(x, &mut slope) else {
             rk4(x, step_s, |x, dx| {
                 rhs(x, dx);
             });
