@@ -179,3 +179,52 @@ fn service<S: Slot>(node: &Node<Ipc>, role: Role) -> Result<PortFactory<Ipc, u64
 fn failed(what: &'static str, detail: impl Debug) -> LinkError {
     LinkError::shared_memory(what, detail)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ride::{Claim, RideName, RunDir, session_root};
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// Never waiting for its reader, a writer that never stops is the worst that a peer can do to
+    /// a blackboard.
+    #[test]
+    fn a_peer_that_writes_without_end_cannot_hold_a_reader_up() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let run_dir = RunDir::at(dir.path().join("run"));
+        let name = RideName::new("flood").expect("a name");
+        let claim = Claim::new(&run_dir, &name).expect("a ride");
+        let root = session_root(&run_dir.ride(&name), claim.session());
+        let flooding = AtomicBool::new(true);
+        let mut plant =
+            Channels::<PlantSlot, ControllerSlot>::new(Role::Plant, &root, claim.session())
+                .expect("the plant's channels");
+        std::thread::scope(|scope| {
+            let writer = scope.spawn(|| {
+                let hostile = Channels::<ControllerSlot, PlantSlot>::new(
+                    Role::Controller,
+                    &root,
+                    claim.session(),
+                )
+                .expect("the controller's channels");
+                let mut frame = ControllerFrame::default();
+                while flooding.load(Ordering::Relaxed) {
+                    // Each frame says the same in two places.
+                    frame.header.tick = frame.header.tick.wrapping_add(1);
+                    frame.header.sequence = frame.header.tick;
+                    hostile.send(&frame);
+                }
+            });
+            let mut read = 0;
+            while read < 20_000 && !writer.is_finished() {
+                if let Some(frame) = plant.receive() {
+                    assert_eq!(frame.header.tick, frame.header.sequence, "a torn frame");
+                    read += 1;
+                }
+            }
+            flooding.store(false, Ordering::Relaxed);
+            writer.join().expect("the writer ends");
+            assert_eq!(read, 20_000);
+        });
+    }
+}
