@@ -1,6 +1,7 @@
 //! The `twinhub` command: arguments and printing only; the work is done by the crates below.
 
 mod bicycle;
+mod blind;
 mod catalogue;
 mod children;
 mod compare;
@@ -57,6 +58,8 @@ enum Command {
     Diagnose(diagnose::DiagnoseArgs),
     /// What rides like these could show, and what they could not tell apart
     Experiment(experiment::ExperimentArgs),
+    /// Sealed rides with a known answer through the diagnosis, and its metrics
+    Blind(blind::BlindArgs),
     /// The figures of Bulsink (2017) beside those of the multibody model
     Reproduce(reproduce::ReproduceArgs),
     /// Forces and torques of a tyre
@@ -121,6 +124,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Doctor(args) => doctor::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Experiment(args) => experiment::run(&args),
+        Command::Blind(args) => blind::run(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

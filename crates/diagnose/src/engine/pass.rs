@@ -5,10 +5,12 @@ use super::course::Course;
 use super::lateral;
 use super::layout::Layout;
 use super::ride::Ride;
+use super::sensitivity::Along;
 use super::setup::{Model, Plant, Setup};
 use super::small::Flow;
 use super::speed;
 use super::state::Pace;
+use std::sync::OnceLock;
 
 /// Innovations in the order of the course's readings.
 #[derive(Clone, Debug)]
@@ -50,6 +52,8 @@ pub struct Record {
     pub gain: Vec<f64>,
     pub slow_row: Vec<f64>,
     pub slow_gain: Vec<f64>,
+    /// What the plant of this pass does along the path, once sensitivities have asked for it.
+    pub(super) along: OnceLock<Along>,
 }
 
 impl Pass {
@@ -76,6 +80,7 @@ impl Pass {
                 gain: vec![0.0; readings * n],
                 slow_row: vec![0.0; readings * slow],
                 slow_gain: vec![0.0; readings * slow],
+                along: OnceLock::new(),
             }
         });
         Self {

@@ -36,13 +36,25 @@ struct Side<'a> {
     memory: Vec<f64>,
 }
 
+/// What happens at one end of a step.
+#[derive(Clone, Copy, Debug, Default)]
 struct There {
     accel: Vector2<f64>,
     yaw_rate: f64,
     slip: f64,
 }
 
-impl Side<'_> {
+impl<'a> Side<'a> {
+    fn new(ride: &'a Ride, setup: &'a Setup, course: &'a Course, layout: &'a Layout) -> Self {
+        Self {
+            ride,
+            setup,
+            course,
+            layout,
+            memory: vec![0.0; setup.memory],
+        }
+    }
+
     /// At one end of a step; `advance` moves the memory on from there.
     fn at(
         &mut self,
@@ -98,6 +110,75 @@ impl Side<'_> {
     }
 }
 
+/// What one plant does along the recorded path: at both ends of each step, and what the sensors would
+/// read.
+#[derive(Clone, Debug, Default)]
+pub struct Along {
+    ends: Vec<[There; 2]>,
+    told: Vec<f64>,
+}
+
+/// Goes along the recorded path of `base` with one plant; `moved` gives its pace at an end of a step.
+fn along(
+    side: &mut Side<'_>,
+    base: &Setup,
+    record: &Record,
+    moved: impl Fn(usize, usize, &Pace) -> Pace,
+) -> Along {
+    let (ride, setup, layout, course) = (side.ride, side.setup, side.layout, side.course);
+    let n = record.n;
+    let mut found = Along {
+        ends: Vec::with_capacity(course.steps.len()),
+        told: vec![0.0; course.readings.len()],
+    };
+    let mut pace = Pace::default();
+    for (index, step) in course.steps.iter().enumerate() {
+        if step.fresh {
+            pace = record.pace[index];
+            side.memory.fill(0.0);
+        }
+        let after = record.pace[index];
+        let x1 = &record.x1[index * n..(index + 1) * n];
+        let mut ends = [There::default(); 2];
+        if step.dt_s > 0.0 {
+            let x0 = &record.x0[index * n..(index + 1) * n];
+            let begin = Some(step.fresh);
+            ends = [
+                side.at(index, true, x0, &moved(index, 0, &pace), begin),
+                side.at(index, false, x1, &moved(index, 1, &after), None),
+            ];
+        } else if step.fresh {
+            let x2 = &record.x2[index * n..(index + 1) * n];
+            // The first moment: memories start from what the readings say.
+            side.at(index, false, x2, &moved(index, 1, &after), Some(true));
+        }
+        for r in step.readings.clone() {
+            let reading = &course.readings[r];
+            let sensor = &ride.sensors[reading.sensor];
+            if sensor.is_longitudinal() {
+                continue;
+            }
+            let model = &setup.sensors[reading.sensor];
+            if let Some(filter) = layout.filters[reading.sensor] {
+                // Behind a recorder's filter only gain and offset are seen.
+                let gain = model.gain / base.sensors[reading.sensor].gain;
+                found.told[r] = gain * x1[filter] + model.offset;
+                continue;
+            }
+            let pace = &moved(index, 1, &after);
+            let met = course.met(index);
+            let accel = setup.plant.body.mass_inverse * Balance::new(setup, met, pace).net(x1);
+            let at = state::moment(setup, ride, met, pace, x1, accel, step.t_s, step.dt_s);
+            let heading = if layout.heading { x1[HEADING] } else { 0.0 };
+            found.told[r] = state::reading(setup, sensor, model, &at, heading, ends[1].slip)
+                - model.delay_s * state::reading_rate(sensor, &at);
+        }
+        found.ends.push(ends);
+        pace = after;
+    }
+    found
+}
+
 /// Change of every innovation when the plant becomes `changed`.
 pub fn change(
     ride: &Ride,
@@ -113,70 +194,41 @@ pub fn change(
     let other = refilled.as_ref().unwrap_or(course);
     let speed_change = speed_changes(ride, course, other, &s0, &s1, record);
     let (n, nd) = (record.n, record.nd);
-    let mut a = Side {
-        ride,
-        setup: &s0,
-        course,
-        layout: &layout,
-        memory: vec![0.0; s0.memory],
-    };
-    let mut b = Side {
-        ride,
-        setup: &s1,
-        course: other,
-        layout: &layout,
-        memory: vec![0.0; s1.memory],
-    };
+    let side = |setup, course| Side::new(ride, setup, course, &layout);
+    // The same for every change of this pass.
+    let here = record
+        .along
+        .get_or_init(|| along(&mut side(&s0, course), &s0, record, |_, _, pace| *pace));
+    let there = along(&mut side(&s1, other), &s0, record, |index, k, pace| {
+        if ride.speed.is_some() {
+            let step = &other.steps[index];
+            let ends = if k == 0 { &step.from } else { &step.to };
+            Pace {
+                speed_m_s: ends.speed_m_s,
+                accel_m_s2: ends.accel_m_s2,
+                ending_m_s2: ends.accel_m_s2,
+                ..*pace
+            }
+        } else {
+            let [v, acc] = speed_change.at(index, k);
+            Pace {
+                speed_m_s: pace.speed_m_s + v,
+                accel_m_s2: pace.accel_m_s2 + acc,
+                ending_m_s2: pace.ending_m_s2 + acc,
+                ..*pace
+            }
+        }
+    });
     let mass = base.body.terms.mass;
     let mut change = vec![0.0; course.readings.len()];
     let mut dx = vec![0.0; n];
     let mut next = vec![0.0; nd];
-    let mut pace = Pace::default();
     for (index, step) in course.steps.iter().enumerate() {
         if step.fresh {
             dx[..nd].fill(0.0);
-            pace = record.pace[index];
-            a.memory.fill(0.0);
-            b.memory.fill(0.0);
         }
-        let after = record.pace[index];
-        let moved = |k: usize, pace: &Pace| -> Pace {
-            if ride.speed.is_some() {
-                let ends = if k == 0 {
-                    &other.steps[index].from
-                } else {
-                    &other.steps[index].to
-                };
-                Pace {
-                    speed_m_s: ends.speed_m_s,
-                    accel_m_s2: ends.accel_m_s2,
-                    ending_m_s2: ends.accel_m_s2,
-                    ..*pace
-                }
-            } else {
-                let [v, acc] = speed_change.at(index, k);
-                Pace {
-                    speed_m_s: pace.speed_m_s + v,
-                    accel_m_s2: pace.accel_m_s2 + acc,
-                    ending_m_s2: pace.ending_m_s2 + acc,
-                    ..*pace
-                }
-            }
-        };
-        let x1 = &record.x1[index * n..(index + 1) * n];
-        let mut slip = [0.0; 2];
         if step.dt_s > 0.0 {
-            let x0 = &record.x0[index * n..(index + 1) * n];
-            let begin = Some(step.fresh);
-            let (p0, q0) = (
-                a.at(index, true, x0, &pace, begin),
-                b.at(index, true, x0, &moved(0, &pace), begin),
-            );
-            let (p1, q1) = (
-                a.at(index, false, x1, &after, None),
-                b.at(index, false, x1, &moved(1, &after), None),
-            );
-            slip = [p1.slip, q1.slip];
+            let ([p0, p1], [q0, q1]) = (&here.ends[index], &there.ends[index]);
             let t0 = mass * (q0.accel - p0.accel);
             let t1 = mass * (q1.accel - p1.accel);
             let top = &record.top[index * nd * n..(index + 1) * nd * n];
@@ -194,46 +246,20 @@ pub fn change(
                     0.5 * step.dt_s * (q0.yaw_rate - p0.yaw_rate + q1.yaw_rate - p1.yaw_rate);
             }
             dx[..nd].copy_from_slice(&next);
-        } else if step.fresh {
-            let x2 = &record.x2[index * n..(index + 1) * n];
-            // The first moment: memories start from what the readings say.
-            a.at(index, false, x2, &after, Some(true));
-            b.at(index, false, x2, &moved(1, &after), Some(true));
         }
         for r in step.readings.clone() {
             let reading = &course.readings[r];
-            let sensor = &ride.sensors[reading.sensor];
-            if sensor.is_longitudinal() {
+            if ride.sensors[reading.sensor].is_longitudinal() {
                 continue;
             }
-            let shift = if layout.filters[reading.sensor].is_some() {
-                // Behind a recorder's filter only gain and offset are seen.
-                let (m0, m1) = (&s0.sensors[reading.sensor], &s1.sensors[reading.sensor]);
-                (m1.gain / m0.gain - 1.0) * x1[layout.filters[reading.sensor].unwrap_or(0)]
-                    + m1.offset
-                    - m0.offset
-            } else {
-                let tell = |setup: &Setup, course: &Course, pace: &Pace, slip: f64| {
-                    let ends = course.met(index);
-                    let accel =
-                        setup.plant.body.mass_inverse * Balance::new(setup, ends, pace).net(x1);
-                    let at = state::moment(setup, ride, ends, pace, x1, accel, step.t_s, step.dt_s);
-                    let model = &setup.sensors[reading.sensor];
-                    let heading = if layout.heading { x1[HEADING] } else { 0.0 };
-                    state::reading(setup, sensor, model, &at, heading, slip)
-                        - model.delay_s * state::reading_rate(sensor, &at)
-                };
-                tell(&s1, other, &moved(1, &after), slip[1]) - tell(&s0, course, &after, slip[0])
-            };
             let row = &record.row[r * n..(r + 1) * n];
             let gain = &record.gain[r * n..(r + 1) * n];
-            let de = -(dot(row, &dx) + shift);
+            let de = -(dot(row, &dx) + there.told[r] - here.told[r]);
             change[r] = de;
             for (x, k) in dx.iter_mut().zip(gain) {
                 *x += k * de;
             }
         }
-        pace = after;
     }
     for (r, de) in speed_change.readings {
         change[r] = de;

@@ -17,6 +17,7 @@
 use super::fitting::{Baseline, Column, Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use twinhub_mechanism::Mechanism;
@@ -51,7 +52,8 @@ pub struct Bench<'a> {
     pub passes: Passes,
     pub residual: Column,
     pub nuisance: Vec<Column>,
-    precision: Vec<f64>,
+    /// N'N + L, factored; none if there are no nuisances, or none that count.
+    factored: Option<Cholesky<f64, Dyn>>,
     pub block: Vec<usize>,
     pub blocks: usize,
     /// Ride of each entry.
@@ -91,6 +93,16 @@ impl<'a> Bench<'a> {
                 }
             }
         }
+        let m = nuisance.len();
+        let mut normal = DMatrix::zeros(m, m);
+        for i in 0..m {
+            for j in 0..=i {
+                let x = dot(&nuisance[i], &nuisance[j]);
+                normal[(i, j)] = x;
+                normal[(j, i)] = x;
+            }
+            normal[(i, i)] += precision[i];
+        }
         Some(Self {
             residual: passes.whitened(),
             blocks: ids.len(),
@@ -100,33 +112,23 @@ impl<'a> Bench<'a> {
             baseline,
             passes,
             nuisance,
-            precision,
+            factored: (m > 0).then(|| normal.cholesky()).flatten(),
         })
     }
 
     /// Takes the nuisances out of columns: projected columns and information.
     pub fn project(&self, columns: &[Column]) -> (Vec<Column>, Vec<f64>) {
-        let (m, k) = (self.nuisance.len(), columns.len());
+        let k = columns.len();
         let cross: Vec<Vec<f64>> = columns
             .iter()
             .map(|g| self.nuisance.iter().map(|n| dot(n, g)).collect())
             .collect();
         let mut projected = columns.to_vec();
         let mut information = vec![0.0; k * k];
-        let solved = if m > 0 {
-            let mut normal = vec![0.0; m * m];
-            for i in 0..m {
-                for j in 0..=i {
-                    let x = dot(&self.nuisance[i], &self.nuisance[j]);
-                    normal[i * m + j] = x;
-                    normal[j * m + i] = x;
-                }
-                normal[i * m + i] += self.precision[i];
-            }
-            solve(&normal, &cross)
-        } else {
-            None
-        };
+        let solved = self.factored.as_ref().map(|factored| -> Vec<DVector<f64>> {
+            let solve = |c: &Vec<f64>| factored.solve(&DVector::from_column_slice(c));
+            cross.iter().map(solve).collect()
+        });
         for (i, column) in projected.iter_mut().enumerate() {
             if let Some(solved) = &solved {
                 for (factor, n) in solved[i].iter().zip(&self.nuisance) {
@@ -136,7 +138,9 @@ impl<'a> Bench<'a> {
                 }
             }
             for j in 0..k {
-                let lost = solved.as_ref().map_or(0.0, |s| dot(&s[i], &cross[j]));
+                let lost = solved
+                    .as_ref()
+                    .map_or(0.0, |s| dot(s[i].as_slice(), &cross[j]));
                 information[i * k + j] = dot(&columns[i], &columns[j]) - lost;
             }
         }
