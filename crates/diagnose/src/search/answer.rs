@@ -157,6 +157,11 @@ pub struct Answer {
     pub calibration: BTreeMap<String, f64>,
     /// Parameters that stand at the end of their declared tolerance.
     pub out_of_tolerance: Vec<String>,
+    /// Mechanisms that fit best at an end of their range: they stand in for something else, and are
+    /// no causes.
+    pub refused: Vec<String>,
+    /// Outputs that the extended model fails on held-out rides, so that nothing is confirmed.
+    pub unpredicted: Vec<String>,
     pub faults: Vec<Fault>,
     pub latent_force: Option<LatentForce>,
     /// What was found, in words; the first is the verdict.

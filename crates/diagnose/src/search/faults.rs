@@ -124,10 +124,14 @@ fn spike_share(values: &[f64], quantum: f64) -> f64 {
             (w[2] - sorted[2]).abs()
         })
         .collect();
-    let mut ordered = off.clone();
-    ordered.sort_by(f64::total_cmp);
-    // The 90th percentile: a median would be zero for a quantised channel.
-    let usual = ordered[ordered.len() * 9 / 10].max(quantum);
+    // What is usual: nine of ten steps between samples are smaller. Most steps of a coarse channel
+    // are zero; the others show its quantum, declared or not.
+    let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    let moving = &steps[steps.partition_point(|step| *step == 0.0)..];
+    let usual = steps[steps.len() * 9 / 10]
+        .max(moving.get(moving.len() * 3 / 4).copied().unwrap_or(0.0))
+        .max(quantum);
     let count = off
         .iter()
         .filter(|x| **x > 12.0 * usual && usual > 0.0)
@@ -158,15 +162,51 @@ pub fn dead_inputs(fit: &Rides, baseline: &Baseline) -> Vec<Fault> {
         let Some(score) = score else { continue };
         let gain = 1.0 + score.first_size();
         let sd = score.unit.abs() * (score.widening / score.information[0]).sqrt();
-        if gain < THRESHOLDS.dead_input_gain && (1.0 - gain) / sd > THRESHOLDS.dead_input_z {
+        // A gain that is neither is the model's business.
+        let reason = if gain.abs() < THRESHOLDS.dead_input_gain {
+            "the bicycle does not answer to it: shifted in time, or of another ride?"
+        } else if (gain + 1.0).abs() < THRESHOLDS.dead_input_gain {
+            "the bicycle answers to it the other way round: wrong sign?"
+        } else {
+            continue;
+        };
+        if (1.0 - gain) / sd > THRESHOLDS.dead_input_z {
             faults.push(Fault {
                 channel: channel.to_owned(),
                 ride: None,
-                reason: format!(
-                    "the bicycle does not answer to it (gain {gain:.2} with standard error {sd:.2}): shifted in time, or of another ride?"
-                ),
+                reason: format!("{reason} (gain {gain:.2} with standard error {sd:.2})"),
             });
         }
     }
     faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn swing(k: usize) -> f64 {
+        0.02 * libm::sin(k as f64 * 0.05)
+    }
+
+    #[test]
+    fn a_coarse_encoder_is_no_spike_and_a_spike_is() {
+        let coarse = |k: usize| libm::round(swing(k) / 0.0015) * 0.0015;
+        let mut values: Vec<f64> = (0..2000).map(coarse).collect();
+        // It flickers between neighbours now and then.
+        for k in (0..2000).step_by(150) {
+            values[k] += 0.0015;
+        }
+        assert_eq!(spike_share(&values, 0.0), 0.0);
+        for k in (10..2000).step_by(150) {
+            values[k] += 0.2;
+        }
+        assert!(spike_share(&values, 0.0) > SPIKE_SHARE);
+        let mut smooth: Vec<f64> = (0..2000).map(swing).collect();
+        assert_eq!(spike_share(&smooth, 0.0), 0.0);
+        for k in (10..2000).step_by(150) {
+            smooth[k] += 0.2;
+        }
+        assert!(spike_share(&smooth, 0.0) > SPIKE_SHARE);
+    }
 }

@@ -1,10 +1,13 @@
 //! The search itself: test, refit, decide, accept, again.
 
-use super::decide::{Blocks, Gain};
+use super::contender::{
+    Contender, confusion, contend, has_evidence, held_blocks, is_at_end, is_degenerate, pick,
+};
+use super::decide::Gain;
 use super::fitting::{Baseline, Passes, Rides, calibration_columns};
 use super::probe::{PROBES, Probe};
-use super::refit::{Refit, finish, polish, refit};
-use super::score::{Bench, Score, active_columns, correlation, discoveries};
+use super::refit::{Refit, finish, polish};
+use super::score::{Bench, Score, active_columns, discoveries};
 use super::thresholds::THRESHOLDS;
 use crate::engine::FreeNoise;
 use crate::engine::small::dot;
@@ -17,21 +20,6 @@ pub struct Material<'a> {
     /// Empty: nothing can be confirmed.
     pub held: &'a Rides,
     pub free: &'a FreeNoise,
-}
-
-/// A mechanism that was refitted in one round.
-pub struct Contender {
-    pub mechanism: &'static dyn Mechanism,
-    pub refit: Refit,
-    pub fit_nats: f64,
-    pub gain: Gain,
-    blocks: Option<Blocks>,
-}
-
-impl Contender {
-    fn total(&self) -> f64 {
-        self.fit_nats + self.gain.nats
-    }
 }
 
 /// An accepted cause.
@@ -55,6 +43,8 @@ pub struct Found {
     pub accepted: Vec<Accepted>,
     pub first: Vec<Tested>,
     pub contenders: Vec<(String, f64, Gain)>,
+    /// Mechanisms whose fit ended at an end of their range: refused.
+    pub at_end: Vec<&'static str>,
     /// Probes that still explain something at the end, the strongest first.
     pub left: Vec<Left>,
     /// An accepted cause about which rides disagree, with the p-value.
@@ -95,52 +85,6 @@ fn discovered(tested: &[Tested]) -> Vec<&Score> {
     found
 }
 
-fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
-    (!held.0.is_empty())
-        .then(|| Blocks::new(held, &baseline.model))
-        .flatten()
-}
-
-fn contend(
-    material: &Material<'_>,
-    baseline: &Baseline,
-    before: Option<&Blocks>,
-    mechanism: &'static dyn Mechanism,
-    size: &[f64],
-) -> Option<Contender> {
-    let refit = refit(material.fit, material.free, baseline, mechanism, size)?;
-    let blocks = held_blocks(material.held, &refit.baseline);
-    let gain = match (before, &blocks) {
-        (Some(a), Some(b)) => Gain::new(a, b),
-        _ => Gain::default(),
-    };
-    Some(Contender {
-        mechanism,
-        fit_nats: baseline.cost - refit.baseline.cost,
-        refit,
-        gain,
-        blocks,
-    })
-}
-
-/// Whether the fit rides' evidence, penalised for parameters and library, is enough.
-fn has_evidence(contender: &Contender, blocks: usize, library: usize) -> bool {
-    let parameters = contender.mechanism.card().parameters.len() as f64;
-    let penalty = 0.5 * parameters * libm::log(10.0 * blocks as f64);
-    contender.fit_nats - penalty > libm::log(library as f64) + THRESHOLDS.evidence_nats
-}
-
-/// Whether a fitted parameter set is still at null, or at the far end of its range.
-fn is_degenerate(contender: &Contender) -> bool {
-    let Some(active) = contender.refit.baseline.model.active.last() else {
-        return true;
-    };
-    let null = active
-        .mechanism
-        .null(&contender.refit.baseline.model.bicycle.parameters);
-    active.p[0] == null[0]
-}
-
 /// Runs the search.
 pub fn search(
     material: &Material<'_>,
@@ -153,6 +97,7 @@ pub fn search(
     let mut accepted: Vec<Accepted> = vec![];
     let mut first = None;
     let mut contenders = vec![];
+    let mut at_end = vec![];
     let mut last: Option<Refit> = None;
     let mut disagreement = None;
     for round in 0..=THRESHOLDS.most_causes {
@@ -183,14 +128,18 @@ pub fn search(
             }
             list.sort_by(|a, b| b.total().total_cmp(&a.total()));
             for c in &list {
-                contenders.push((c.mechanism.card().name.to_owned(), c.fit_nats, c.gain));
+                let name = c.mechanism.card().name;
+                contenders.push((name.to_owned(), c.fit_nats, c.gain));
+                if is_at_end(c) && !at_end.contains(&name) {
+                    at_end.push(name);
+                }
             }
             let fits = |c: &Contender| {
                 !is_degenerate(c)
                     && has_evidence(c, blocks, library.len())
                     && (!decide || c.gain.is_decisive())
             };
-            if let Some(best) = list.iter().position(fits) {
+            if let Some(best) = pick(&list, fits) {
                 let set = confusion(&list, best, &tested);
                 let chosen = list.swap_remove(best);
                 accepted.push(Accepted {
@@ -232,6 +181,7 @@ pub fn search(
         accepted,
         first: first.unwrap_or_default(),
         contenders,
+        at_end,
         left,
         disagreement,
         baseline,
@@ -249,51 +199,6 @@ fn refreshed(rides: &Rides, mut baseline: Baseline) -> Option<Baseline> {
         .collect();
     baseline.cost = super::refit::cost(&passes, &baseline);
     Some(baseline)
-}
-
-/// Names that cannot be told apart from the best: they explain about as much on held-out blocks, or
-/// their effects are the same.
-fn confusion(list: &[Contender], best: usize, tested: &[Tested]) -> Vec<&'static str> {
-    let t = &*THRESHOLDS;
-    let chosen = &list[best];
-    let name = |m: &'static dyn Mechanism| m.card().name;
-    let mut set = vec![name(chosen.mechanism)];
-    for (index, other) in list.iter().enumerate() {
-        if index == best || is_degenerate(other) || other.total() < t.set_share * chosen.total() {
-            continue;
-        }
-        let close = match (&chosen.blocks, &other.blocks) {
-            (Some(a), Some(b)) => {
-                let difference = Gain::new(b, a);
-                let fit = chosen.fit_nats - other.fit_nats;
-                (difference.z < t.set_z || difference.nats < t.set_nats)
-                    && fit < 2.0 * t.set_nats + 0.1 * chosen.fit_nats
-            }
-            _ => chosen.fit_nats - other.fit_nats < t.set_nats,
-        };
-        if close {
-            set.push(name(other.mechanism));
-        }
-    }
-    let of = |m: &str| {
-        tested
-            .iter()
-            .filter_map(|t| t.score.as_ref())
-            .find(|s| s.mechanism.card().name == m)
-    };
-    if let Some(mine) = of(name(chosen.mechanism)) {
-        for score in tested.iter().filter_map(|t| t.score.as_ref()) {
-            let other = name(score.mechanism);
-            // One whose sign is forbidden explains nothing.
-            if !set.contains(&other)
-                && score.statistic > 0.5 * mine.statistic
-                && correlation(mine, score) > t.set_correlation
-            {
-                set.push(other);
-            }
-        }
-    }
-    set
 }
 
 /// Drops causes that cost nothing to drop.

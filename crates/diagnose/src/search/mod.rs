@@ -1,6 +1,7 @@
 //! Which cause: baseline, tests, refits, decision on held-out rides.
 
 pub mod answer;
+mod contender;
 mod decide;
 pub mod experiment;
 mod faults;

@@ -1,7 +1,8 @@
 //! From a study to an answer.
 
 use super::answer::{
-    Answer, Candidate, Cause, Fault, NextExperiment, NotTestable, ScoreLine, Value, Verdict, Where,
+    Answer, Candidate, Cause, ChannelGain, Fault, NextExperiment, NotTestable, ScoreLine, Value,
+    Verdict, Where,
 };
 use super::faults;
 use super::fitting::{Baseline, calibrated, prepare, start};
@@ -130,6 +131,8 @@ pub(super) fn empty(study: &Study, verdict: Verdict) -> Answer {
         candidates: vec![],
         calibration: BTreeMap::new(),
         out_of_tolerance: vec![],
+        refused: vec![],
+        unpredicted: vec![],
         faults: vec![],
         latent_force: None,
         statements: vec![],
@@ -233,7 +236,7 @@ pub fn diagnose_data(
             .insert(c.symbol.to_owned(), c.value + z * c.sd);
         if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
             answer.out_of_tolerance.push(c.symbol.to_owned());
-            testable.extend(tolerance::candidate(c.symbol));
+            testable.push(tolerance::candidate(c));
         }
     }
     answer.faults = faults::dead_inputs(&fit, &baseline);
@@ -268,6 +271,7 @@ pub fn diagnose_data(
         &calibrated_model,
         &found.baseline.model,
     );
+    withdraw(&mut answer);
     super::locate::fill(&mut answer, &fit, &calibrated_model, &found);
     answer.plant = plant_file(study, &answer, &found);
     answer.statements = words::statements(&answer);
@@ -295,6 +299,7 @@ fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides
             }),
         }
     }
+    answer.refused = found.at_end.iter().map(|s| (*s).to_owned()).collect();
     let decided = !held.0.is_empty();
     for (name, fit, gain) in &found.contenders {
         answer.candidates.push(Candidate {
@@ -406,6 +411,27 @@ fn judge(answer: &mut Answer, found: &Found, decided: bool) {
             });
         }
     }
+}
+
+/// Takes confirmations back where the extended model fails an output that can be predicted.
+fn withdraw(answer: &mut Answer) {
+    let t = &*THRESHOLDS;
+    let failed = |gain: &ChannelGain| {
+        let (Some(extended), Some(ceiling)) = (gain.extended_vaf, gain.ceiling_vaf) else {
+            return false;
+        };
+        let loss = gain.calibrated_vaf.map_or(0.0, |before| before - extended);
+        ceiling > t.foreseeable_vaf && (extended < t.least_vaf || loss > t.most_vaf_loss)
+    };
+    let failing = answer.gain.iter().filter(|(_, gain)| failed(gain));
+    answer.unpredicted = failing.map(|(name, _)| name.clone()).collect();
+    if answer.unpredicted.is_empty() || answer.causes.iter().all(|c| !c.confirmed) {
+        return;
+    }
+    for cause in &mut answer.causes {
+        cause.confirmed = false;
+    }
+    answer.verdict = Verdict::Partial;
 }
 
 /// The word of the answer for a mechanism's first equation.

@@ -1,60 +1,65 @@
 //! A calibration parameter that wants to lie beyond its declared tolerance, as a candidate like any
 //! mechanism: it competes with them, and may turn out the same as one of them.
 
+use super::fitting::Calibrated;
+use std::sync::{Mutex, PoisonError};
 use twinhub_linear::Parameters;
 use twinhub_mechanism::{Card, Equation, Family, Mechanism, Param};
 
-/// The value of one symbol, free.
+/// The value of one symbol, free within what is left of belief.
 #[derive(Debug)]
 struct Free {
     symbol: &'static str,
-    card: Card,
+    card: &'static Card,
 }
 
 /// What the names of such candidates begin with.
 pub const PREFIX: &str = "tolerance:";
+/// How far a value may lie from the declared one, in declared standard deviations: beyond the box of
+/// the calibration, and not so far that a parameter can stand in for anything.
+const FARTHEST_SD: f64 = 6.0;
 
-macro_rules! free {
-    ($($symbol:ident),*) => {
-        static ALL: &[&Free] = &[$({
-            static PARAM: [Param; 1] = [Param {
-                name: stringify!($symbol),
-                null: f64::NAN,
-                least: -1e4,
-                most: 1e4,
-                probe: 0.01,
-                starts: &[],
-                about: "value of the symbol",
-            }];
-            static F: Free = Free {
-                symbol: stringify!($symbol),
-                card: Card {
-                    name: concat!("tolerance:", stringify!($symbol)),
-                    family: Family::Structure,
-                    equations: &[Equation::Steer, Equation::Roll],
-                    claim: "a parameter lies beyond its declared tolerance",
-                    equation: "the symbol's value, free",
-                    source: "Meijaard et al. (2007), table 1",
-                    parameters: &PARAM,
-                    requires: &[],
-                    confounded_with: &[],
-                    separated_by: "measure the parameter again",
-                },
-            };
-            &F
-        }),*];
+/// Candidates live as long as the program, as mechanisms do: one for each symbol and range.
+static ALL: Mutex<Vec<&'static Free>> = Mutex::new(Vec::new());
+
+/// The candidate of a symbol that was declared with a value and a standard deviation.
+pub fn candidate(calibrated: &Calibrated) -> &'static dyn Mechanism {
+    let Calibrated { symbol, value, sd } = *calibrated;
+    let (least, most) = (value - FARTHEST_SD * sd, value + FARTHEST_SD * sd);
+    let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = |f: &&&'static Free| {
+        let param = &f.card.parameters[0];
+        f.symbol == symbol && param.least == least && param.most == most
     };
-}
-free!(
-    w, c, lam, rR, mR, IRxx, IRyy, xB, zB, mB, IBxx, IBzz, IBxz, xH, zH, mH, IHxx, IHzz, IHxz, rF,
-    mF, IFxx, IFyy
-);
-
-/// The candidate of a symbol.
-pub fn candidate(symbol: &str) -> Option<&'static dyn Mechanism> {
-    ALL.iter()
-        .find(|f| f.symbol == symbol)
-        .map(|f| *f as &'static dyn Mechanism)
+    if let Some(known) = all.iter().find(same) {
+        return *known;
+    }
+    let param = Param {
+        name: symbol,
+        null: f64::NAN,
+        least,
+        most,
+        probe: 0.01,
+        starts: &[],
+        about: "value of the symbol",
+    };
+    let free: &'static Free = Box::leak(Box::new(Free {
+        symbol,
+        card: Box::leak(Box::new(Card {
+            name: Box::leak(format!("{PREFIX}{symbol}").into_boxed_str()),
+            family: Family::Structure,
+            equations: &[Equation::Steer, Equation::Roll],
+            claim: "a parameter lies beyond its declared tolerance",
+            equation: "the symbol's value, free within six declared standard deviations",
+            source: "Meijaard et al. (2007), table 1",
+            parameters: Box::leak(Box::new([param])),
+            requires: &[],
+            confounded_with: &[],
+            separated_by: "measure the parameter again",
+        })),
+    }));
+    all.push(free);
+    free
 }
 
 fn probe(value: f64) -> f64 {
@@ -67,9 +72,7 @@ fn probe(value: f64) -> f64 {
 
 impl Mechanism for Free {
     fn card(&self) -> &'static Card {
-        ALL.iter()
-            .find(|f| f.symbol == self.symbol)
-            .map_or(&ALL[0].card, |f| &f.card)
+        self.card
     }
 
     fn null(&self, bicycle: &Parameters) -> Vec<f64> {

@@ -79,6 +79,18 @@ pub fn statements(answer: &Answer) -> Vec<String> {
             answer.out_of_tolerance.join(", ")
         ));
     }
+    if !answer.unpredicted.is_empty() {
+        all.push(format!(
+            "nothing is confirmed while the model fails on held-out rides: {}",
+            answer.unpredicted.join(", ")
+        ));
+    }
+    if !answer.refused.is_empty() {
+        all.push(format!(
+            "refused, because they fit best at the end of their range: {}",
+            answer.refused.join(", ")
+        ));
+    }
     if let Some(next) = &answer.next_experiment {
         all.push(format!(
             "next experiment: {} (separates {})",

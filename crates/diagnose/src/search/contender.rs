@@ -1,0 +1,162 @@
+//! Mechanisms that were refitted in one round of the search, and which of them may be accepted.
+
+use super::decide::{Blocks, Gain};
+use super::fitting::{Baseline, Rides};
+use super::greedy::{Material, Tested};
+use super::refit::{Refit, refit};
+use super::score::correlation;
+use super::thresholds::THRESHOLDS;
+use super::tolerance;
+use twinhub_mechanism::Mechanism;
+
+/// A mechanism that was refitted in one round.
+pub struct Contender {
+    pub mechanism: &'static dyn Mechanism,
+    pub refit: Refit,
+    pub fit_nats: f64,
+    pub gain: Gain,
+    blocks: Option<Blocks>,
+}
+
+impl Contender {
+    pub fn total(&self) -> f64 {
+        self.fit_nats + self.gain.nats
+    }
+}
+
+pub fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
+    (!held.0.is_empty())
+        .then(|| Blocks::new(held, &baseline.model))
+        .flatten()
+}
+
+pub fn contend(
+    material: &Material<'_>,
+    baseline: &Baseline,
+    before: Option<&Blocks>,
+    mechanism: &'static dyn Mechanism,
+    size: &[f64],
+) -> Option<Contender> {
+    let refit = refit(material.fit, material.free, baseline, mechanism, size)?;
+    let blocks = held_blocks(material.held, &refit.baseline);
+    let gain = match (before, &blocks) {
+        (Some(a), Some(b)) => Gain::new(a, b),
+        _ => Gain::default(),
+    };
+    Some(Contender {
+        mechanism,
+        fit_nats: baseline.cost - refit.baseline.cost,
+        refit,
+        gain,
+        blocks,
+    })
+}
+
+/// Whether the fit rides' evidence, penalised for parameters and library, is enough.
+pub fn has_evidence(contender: &Contender, blocks: usize, library: usize) -> bool {
+    let parameters = contender.mechanism.card().parameters.len() as f64;
+    let penalty = 0.5 * parameters * libm::log(10.0 * blocks as f64);
+    contender.fit_nats - penalty > libm::log(library as f64) + THRESHOLDS.evidence_nats
+}
+
+/// Whether a fitted size is still at null.
+fn is_absent(contender: &Contender) -> bool {
+    let Some(active) = contender.refit.baseline.model.active.last() else {
+        return true;
+    };
+    let null = active
+        .mechanism
+        .null(&contender.refit.baseline.model.bicycle.parameters);
+    active.p[0] == null[0]
+}
+
+/// Whether a fit ended at an end of its range, null aside: the mechanism stands in for something
+/// that it is not.
+pub fn is_at_end(contender: &Contender) -> bool {
+    let Some(active) = contender.refit.baseline.model.active.last() else {
+        return false;
+    };
+    let param = &active.mechanism.card().parameters[0];
+    let margin = 1e-6 * (param.most - param.least);
+    !is_absent(contender)
+        && margin.is_finite()
+        && (active.p[0] <= param.least + margin || active.p[0] >= param.most - margin)
+}
+
+/// Whether it can be no cause.
+pub fn is_degenerate(contender: &Contender) -> bool {
+    is_absent(contender) || is_at_end(contender)
+}
+
+/// The first that may be accepted: a mechanism before a parameter out of tolerance that explains no
+/// more than it.
+pub fn pick(list: &[Contender], acceptable: impl Fn(&Contender) -> bool) -> Option<usize> {
+    let best = list.iter().position(&acceptable)?;
+    let is_tolerance = |c: &Contender| c.mechanism.card().name.starts_with(tolerance::PREFIX);
+    // Something that lies at its end explains more than all that may be accepted: no name fits.
+    let most = list
+        .iter()
+        .filter(|c| is_at_end(c))
+        .map(Contender::total)
+        .fold(0.0, f64::max);
+    if list[best].total() < THRESHOLDS.set_share * most {
+        return None;
+    }
+    if is_tolerance(&list[best]) {
+        let rival = list
+            .iter()
+            .position(|c| acceptable(c) && !is_tolerance(c) && is_close(&list[best], c));
+        return rival.or(Some(best));
+    }
+    Some(best)
+}
+
+/// Whether held-out blocks, or without them the fit, cannot tell that `other` is worse.
+fn is_close(chosen: &Contender, other: &Contender) -> bool {
+    let t = &*THRESHOLDS;
+    match (&chosen.blocks, &other.blocks) {
+        (Some(a), Some(b)) => {
+            let difference = Gain::new(b, a);
+            let fit = chosen.fit_nats - other.fit_nats;
+            (difference.z < t.set_z || difference.nats < t.set_nats)
+                && fit < 2.0 * t.set_nats + 0.1 * chosen.fit_nats
+        }
+        _ => chosen.fit_nats - other.fit_nats < t.set_nats,
+    }
+}
+
+/// Names that cannot be told apart from the best: they explain about as much on held-out blocks, or
+/// their effects are the same.
+pub fn confusion(list: &[Contender], best: usize, tested: &[Tested]) -> Vec<&'static str> {
+    let t = &*THRESHOLDS;
+    let chosen = &list[best];
+    let name = |m: &'static dyn Mechanism| m.card().name;
+    let mut set = vec![name(chosen.mechanism)];
+    for (index, other) in list.iter().enumerate() {
+        if index == best || is_degenerate(other) || other.total() < t.set_share * chosen.total() {
+            continue;
+        }
+        if is_close(chosen, other) {
+            set.push(name(other.mechanism));
+        }
+    }
+    let of = |m: &str| {
+        tested
+            .iter()
+            .filter_map(|t| t.score.as_ref())
+            .find(|s| s.mechanism.card().name == m)
+    };
+    if let Some(mine) = of(name(chosen.mechanism)) {
+        for score in tested.iter().filter_map(|t| t.score.as_ref()) {
+            let other = name(score.mechanism);
+            // One whose sign is forbidden explains nothing.
+            if !set.contains(&other)
+                && score.statistic > 0.5 * mine.statistic
+                && correlation(mine, score) > t.set_correlation
+            {
+                set.push(other);
+            }
+        }
+    }
+    set
+}
