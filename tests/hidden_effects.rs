@@ -1,0 +1,194 @@
+//! Effects hidden in rides of another simulator have to be found: the suite of `twinhub blind` in
+//! small. Sizes are the usual ones of each effect, several times what the diagnosis says it can see.
+
+use std::path::{Path, PathBuf};
+use twinhub_blind::{Ask, Engine, Product, Reading};
+use twinhub_hidden::{Effect, Kind, Scenario, SealedAnswer};
+
+/// A set on disk; it goes with this value.
+struct Set {
+    dir: tempfile::TempDir,
+    study: PathBuf,
+    answer: SealedAnswer,
+}
+
+impl Set {
+    fn new(scenario: &Scenario) -> Self {
+        let dir = tempfile::tempdir().expect("a directory");
+        let sealed = scenario.seal().expect("it can be ridden");
+        let study = sealed.write(dir.path()).expect("it can be written");
+        Self {
+            study,
+            answer: sealed.answer,
+            dir,
+        }
+    }
+
+    fn diagnose(&self, ask: &Ask) -> Reading {
+        Product.diagnose(&self.study, ask).expect("it is diagnosed")
+    }
+}
+
+/// Seven rides of 24 s with this effect.
+fn hidden(name: &str, seed: u64) -> Scenario {
+    let effect = Effect::named(name).expect("it can be hidden");
+    let mut scenario = Scenario::of_effect(effect, seed);
+    scenario.layout.duration_s = 24.0;
+    scenario
+}
+
+fn said(found: &Reading) -> String {
+    let causes: Vec<_> = found
+        .causes
+        .iter()
+        .map(|c| {
+            format!(
+                "{} {} {:?} {:?}",
+                c.mechanism, c.confirmed, c.set, c.parameters
+            )
+        })
+        .collect();
+    format!("{}: {}", found.verdict, causes.join("; "))
+}
+
+#[test]
+fn clean_rides_are_silent_and_no_delay_is_invented() {
+    for seed in 1..=3 {
+        let mut scenario = Scenario::new(Kind::Clean, 100 + seed);
+        scenario.layout.duration_s = 24.0;
+        let found = Set::new(&scenario).diagnose(&Ask::default());
+        assert_eq!(found.verdict, "no_effect", "seed {seed}: {}", said(&found));
+        for name in ["steer_sensor_delay", "roll_rate_sensor_delay"] {
+            let p = found.scores.get(name).and_then(|s| s.p_value);
+            assert!(p.is_none_or(|p| p > 1e-4), "{name}: p = {p:?}");
+        }
+    }
+}
+
+/// Named first, its size within 15 % or its interval.
+fn is_found(name: &str, seed: u64) {
+    let set = Set::new(&hidden(name, seed));
+    let found = set.diagnose(&Ask::default());
+    let truth = &set.answer.effects[0];
+    let first = found
+        .causes
+        .first()
+        .unwrap_or_else(|| panic!("{name}: {}", said(&found)));
+    assert!(first.holds(name), "{name}: {}", said(&found));
+    if first.mechanism == name
+        && let Some(estimate) = truth
+            .parameter
+            .as_ref()
+            .and_then(|p| first.parameters.get(p))
+    {
+        let error = ((estimate.value - truth.value) / truth.size).abs();
+        let inside = estimate
+            .ci95
+            .is_some_and(|ci| (ci[0]..=ci[1]).contains(&truth.value));
+        assert!(
+            error <= 0.15 || inside,
+            "{name} {}: {}",
+            truth.value,
+            said(&found)
+        );
+    }
+}
+
+#[test]
+fn finds_an_effect_of_the_tyre() {
+    is_found("twisting_torque", 3);
+}
+
+#[test]
+fn finds_an_effect_of_the_rider() {
+    is_found("pedalling_torque", 5);
+}
+
+#[test]
+fn finds_an_effect_of_a_sensor() {
+    is_found("steer_sensor_delay", 7);
+}
+
+#[test]
+fn finds_an_effect_of_the_load() {
+    is_found("payload", 11);
+}
+
+#[test]
+fn without_its_name_in_the_library_nothing_else_is_confirmed() {
+    for (name, seed) in [("pedalling_torque", 5), ("steer_sensor_delay", 7)] {
+        let found = Set::new(&hidden(name, seed)).diagnose(&Ask {
+            without: vec![name.to_owned()],
+            ..Ask::default()
+        });
+        assert!(
+            !found.causes.iter().any(|c| c.confirmed),
+            "without {name}: {}",
+            said(&found)
+        );
+    }
+}
+
+#[test]
+fn inputs_of_another_time_are_bad_data() {
+    let mut scenario = Scenario::new(Kind::Shifted, 31);
+    scenario.layout.duration_s = 24.0;
+    let found = Set::new(&scenario).diagnose(&Ask::default());
+    assert!(
+        matches!(found.verdict.as_str(), "bad_data" | "unknown"),
+        "{}",
+        said(&found)
+    );
+}
+
+/// Multiplies a number of a ride's row, far behind its first rows.
+fn tamper(ride: &Path) {
+    use std::io::{Read as _, Write as _};
+    let mut text = String::new();
+    let file = std::fs::File::open(ride).expect("the ride");
+    flate2::read::GzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("text");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let column = lines[0]
+        .split(',')
+        .position(|name| name == "roll_rate")
+        .expect("a roll rate");
+    let row = (lines.len() / 2..lines.len())
+        .find(|k| {
+            lines[*k]
+                .split(',')
+                .nth(column)
+                .is_some_and(|cell| !cell.is_empty())
+        })
+        .expect("a row with a roll rate");
+    let mut cells: Vec<String> = lines[row].split(',').map(str::to_owned).collect();
+    cells[column] = "0.011".to_owned();
+    lines[row] = cells.join(",");
+    let file = std::fs::File::create(ride).expect("the ride");
+    let mut gz = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    gz.write_all((lines.join("\n") + "\n").as_bytes())
+        .expect("written");
+    gz.finish().expect("finished");
+}
+
+#[test]
+fn a_sample_that_is_held_out_changes_no_fitted_value() {
+    let set = Set::new(&hidden("pedalling_torque", 5));
+    let before = set.diagnose(&Ask::default());
+    let text = std::fs::read_to_string(&set.study).expect("the study");
+    let held_out = text
+        .split("[[ride]]")
+        .find(|ride| ride.contains("use = \"held_out\""))
+        .and_then(|ride| ride.split("file = \"").nth(1)?.split('"').next())
+        .expect("a ride that is held out");
+    tamper(&set.dir.path().join(held_out));
+    let after = set.diagnose(&Ask::default());
+    let (a, b) = (&before.causes[0], &after.causes[0]);
+    assert_eq!(a.parameters, b.parameters);
+    assert_eq!(before.scores, after.scores);
+    assert_ne!(
+        a.held_out_gain_nats, b.held_out_gain_nats,
+        "nothing was tampered with"
+    );
+}
