@@ -295,14 +295,18 @@ struct Dies<P> {
 }
 
 impl<P: ControllerPort> ControllerPort for Dies<P> {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
         if frame.header.tick >= self.at {
             return Err(LinkError::PeerDied {
                 pid: 1,
                 tick: frame.header.tick,
             });
         }
-        self.port.exchange(frame)
+        self.port.exchange_during(frame, meanwhile)
     }
 }
 

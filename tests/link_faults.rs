@@ -144,7 +144,12 @@ struct Hostile {
 }
 
 impl ControllerPort for Hostile {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        meanwhile();
         let tick = frame.header.tick as usize;
         let bytes = &self.answers[tick % self.answers.len()];
         let mut answer = ControllerFrame::get(bytes).expect("long enough").0;

@@ -184,8 +184,12 @@ impl CortexM {
 }
 
 impl ControllerPort for CortexM {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        self.end.exchange(frame)
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
+        self.end.exchange_during(frame, meanwhile)
     }
 }
 

@@ -48,11 +48,6 @@ impl<P> Listening<P> {
 
 impl<P: ControllerPort> ControllerPort for Listening<P> {
     #[inline]
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        self.exchange_during(frame, &mut || {})
-    }
-
-    #[inline]
     fn exchange_during(
         &mut self,
         frame: &PlantFrame,

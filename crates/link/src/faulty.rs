@@ -55,9 +55,13 @@ impl<P: ControllerPort> Faulty<P> {
 
 impl<P: ControllerPort> ControllerPort for Faulty<P> {
     #[inline]
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
         if self.to_controller.is_empty() && self.to_plant.is_empty() {
-            return self.port.exchange(frame);
+            return self.port.exchange_during(frame, meanwhile);
         }
         let header = frame.header;
         let mut load = Load {
@@ -72,7 +76,7 @@ impl<P: ControllerPort> ControllerPort for Faulty<P> {
             measurement: load.measurement,
             intent: load.intent,
         };
-        let mut answer = self.port.exchange(&told)?;
+        let mut answer = self.port.exchange_during(&told, meanwhile)?;
         for line in &mut self.to_plant {
             answer = line.pass(header.time_ns, answer, &mut self.events);
         }
@@ -80,20 +84,6 @@ impl<P: ControllerPort> ControllerPort for Faulty<P> {
             return Ok(answer);
         }
         Ok(answer.filter(|answer| self.newest.take(answer, header.sequence)))
-    }
-
-    #[inline]
-    fn exchange_during(
-        &mut self,
-        frame: &PlantFrame,
-        meanwhile: &mut dyn FnMut(),
-    ) -> Result<Option<ControllerFrame>, LinkError> {
-        if self.to_controller.is_empty() && self.to_plant.is_empty() {
-            return self.port.exchange_during(frame, meanwhile);
-        }
-        let answer = self.exchange(frame);
-        meanwhile();
-        answer
     }
 
     fn next_event(&mut self) -> Option<LinkEvent> {

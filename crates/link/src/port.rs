@@ -39,28 +39,27 @@ impl LinkEvent {
 /// Something that answers the frames of the plant: what every target implements.
 ///
 /// The plant sends frame `k` at ride time `k` ms, gets an answer, and applies it from `k` to
-/// `k + 1` ms. Only [`exchange`](Self::exchange) has to be there; the rest is for reports.
+/// `k + 1` ms. Only [`exchange_during`](Self::exchange_during) has to be there; the rest is for reports.
 pub trait ControllerPort {
-    /// Hands over `frame` and waits for an answer that may be applied in its tick; `None` is
-    /// silence, which the drives notice. In lockstep every frame has its own answer.
+    /// Hands over `frame`, does `meanwhile` once while the answer is on its way, and waits for an
+    /// answer that may be applied in its tick; `None` is silence, which the drives notice. In
+    /// lockstep every frame has its own answer. An exchange that fails may leave `meanwhile` undone.
     ///
     /// # Errors
     /// If the controller is lost for good. The port is not used any more after that.
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError>;
-
-    /// The same, doing `meanwhile` once, while the answer is on its way where that is possible; it is
-    /// also done if the exchange fails.
-    ///
-    /// # Errors
-    /// As [`exchange`](Self::exchange).
     fn exchange_during(
         &mut self,
         frame: &PlantFrame,
         meanwhile: &mut dyn FnMut(),
-    ) -> Result<Option<ControllerFrame>, LinkError> {
-        let answer = self.exchange(frame);
-        meanwhile();
-        answer
+    ) -> Result<Option<ControllerFrame>, LinkError>;
+
+    /// The same with nothing to do meanwhile.
+    ///
+    /// # Errors
+    /// As [`exchange_during`](Self::exchange_during).
+    #[inline]
+    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+        self.exchange_during(frame, &mut || {})
     }
 
     /// What happened on the way and was not told yet, oldest first.
@@ -87,13 +86,6 @@ pub trait ControllerPort {
 macro_rules! forward {
     ($ty:ty) => {
         impl<P: ControllerPort + ?Sized> ControllerPort for $ty {
-            #[inline]
-            fn exchange(
-                &mut self,
-                frame: &PlantFrame,
-            ) -> Result<Option<ControllerFrame>, LinkError> {
-                (**self).exchange(frame)
-            }
             #[inline]
             fn exchange_during(
                 &mut self,
@@ -132,8 +124,13 @@ impl<F: FnMut(&PlantFrame) -> ControllerFrame> InProcess<F> {
 
 impl<F: FnMut(&PlantFrame) -> ControllerFrame> ControllerPort for InProcess<F> {
     #[inline]
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
         let answer = (self.0)(frame);
+        meanwhile();
         crate::protocol::check_answer(&answer, frame.header.tick, frame.header.sequence)?;
         Ok(Some(answer))
     }

@@ -272,9 +272,14 @@ impl StreamEnd {
 }
 
 impl ControllerPort for StreamEnd {
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
+    fn exchange_during(
+        &mut self,
+        frame: &PlantFrame,
+        meanwhile: &mut dyn FnMut(),
+    ) -> Result<Option<ControllerFrame>, LinkError> {
         let (tick, sequence) = (frame.header.tick, frame.header.sequence);
         self.send(&Packet::of(Kind::Plant, frame), tick)?;
+        meanwhile();
         loop {
             if let Some(answer) = self.receive::<ControllerFrame>(Kind::Controller, tick, None)? {
                 check_answer(&answer, tick, sequence)?;

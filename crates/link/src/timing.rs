@@ -178,11 +178,6 @@ impl<P: ControllerPort> Timed<P> {
 
 impl<P: ControllerPort> ControllerPort for Timed<P> {
     #[inline]
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        self.exchange_during(frame, &mut || {})
-    }
-
-    #[inline]
     fn exchange_during(
         &mut self,
         frame: &PlantFrame,

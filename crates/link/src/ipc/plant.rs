@@ -119,20 +119,14 @@ impl PlantEnd {
 
 impl ControllerPort for PlantEnd {
     #[inline]
-    fn exchange(&mut self, frame: &PlantFrame) -> Result<Option<ControllerFrame>, LinkError> {
-        self.exchange_during(frame, &mut || {})
-    }
-
-    #[inline]
     fn exchange_during(
         &mut self,
         frame: &PlantFrame,
         meanwhile: &mut dyn FnMut(),
     ) -> Result<Option<ControllerFrame>, LinkError> {
-        let sent = self.send(frame);
+        self.send(frame)?;
         let deadline = (self.pacing == Pacing::RealTime).then(|| Instant::now() + ANSWER_WAIT);
         meanwhile();
-        sent?;
         if let Some(deadline) = deadline {
             return self.receive_in_time(frame, deadline);
         }
