@@ -10,7 +10,7 @@ use twinhub_plant::bicycles;
 use twinhub_plant::multibody::Multibody;
 use twinhub_plant::rider::LateralBicycle;
 use twinhub_plant::rider::closed_loop::{StabilityAt, stability};
-use twinhub_plant::rider::design::{Hands, design};
+use twinhub_plant::rider::design::{Goal, Hands, design};
 use twinhub_plant::rider::presets::{BICYCLE, PRESETS, preset};
 use twinhub_plant::rider::windows::windows;
 
@@ -311,11 +311,14 @@ fn print_design(args: &DesignArgs) -> anyhow::Result<()> {
     }
     let mut goal = like.goal();
     if let Some(text) = &args.speeds_m_s {
-        goal.speeds_m_s =
-            crate::span::numbers("--speeds-m-s", text, "m/s", 0.1).map_err(bad_input)?;
+        let speeds = crate::span::numbers("--speeds-m-s", text, "m/s", 0.1).map_err(bad_input)?;
+        let pairs = goal.at[0].pairs_nm.clone();
+        goal = Goal::everywhere(goal.hands, &speeds, &pairs);
     }
     if !args.pairs_nm.is_empty() {
-        goal.pairs_nm.clone_from(&args.pairs_nm);
+        for at in &mut goal.at {
+            at.pairs_nm.clone_from(&args.pairs_nm);
+        }
     }
     if let Hands::Torque { feels_steer, .. } = &mut goal.hands {
         *feels_steer = !args.roll_only;

@@ -151,6 +151,7 @@ mod tests {
         let demand = Demand {
             pair_nm: 40.0,
             trim_nm: 0.0,
+            ..Demand::default()
         };
         Allocation::new(&config)
             .split(&demand, &Envelope::new(&config).at(x, 1.0))
@@ -203,6 +204,7 @@ mod tests {
         let demand = Demand {
             pair_nm: 30.0,
             trim_nm: -50.0,
+            ..Demand::default()
         };
         let split = Allocation::new(&config).split(&demand, &bounds);
         assert_eq!(split.pair_nm, 30.0);
@@ -210,6 +212,7 @@ mod tests {
         let demand = Demand {
             pair_nm: 30.0,
             trim_nm: 200.0,
+            ..Demand::default()
         };
         let split = Allocation::new(&config).split(&demand, &bounds);
         assert!(split.trim_nm <= 0.8 * 700.0 * 0.25 + 1e-3);

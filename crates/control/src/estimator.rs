@@ -47,6 +47,8 @@ const ACCEL_DENSITY_M2_S3: f32 = 0.1;
 const SPEED_SD_M_S: f32 = 0.05;
 /// How fast a speed that is not measured becomes uncertain, m/s².
 const SPEED_DRIFT_M_S2: f32 = 2.0;
+/// Fastest change of the yaw rate, rad/s²: several times that of a sharp swerve.
+const YAW_ACCEL_MAX_RAD_S2: f32 = 20.0;
 /// Time constant of the differentiated steer angle and roll, s.
 const DIFFERENCE_TAU_S: f32 = 0.01;
 
@@ -101,7 +103,7 @@ impl Estimator {
     pub fn update(&mut self, tick: &Tick, seen: &Seen) -> Estimate {
         self.speed(tick, seen);
         self.steer(seen);
-        self.yaw(seen);
+        self.yaw(tick, seen);
         self.predict(tick, seen);
         if let Some(sample) = &seen.imu {
             self.correct_by_accelerometer(sample);
@@ -148,9 +150,10 @@ impl Estimator {
         };
     }
 
-    /// Yaw rate from the gyro, else from steer and speed.
-    fn yaw(&mut self, seen: &Seen) {
-        self.x.yaw_rate_rad_s = match &seen.imu {
+    /// Yaw rate from the gyro, else from steer and speed; no faster than a bicycle can change it, so
+    /// that a single wrong sample does not take the pair away.
+    fn yaw(&mut self, tick: &Tick, seen: &Seen) {
+        let now_rad_s = match &seen.imu {
             Some(ImuSample {
                 gyro_rad_s: [_, q, r],
                 ..
@@ -161,6 +164,11 @@ impl Estimator {
                 rate_rad_s.at_least(-RATE_MAX_RAD_S).at_most(RATE_MAX_RAD_S)
             }
         };
+        let most_rad_s = YAW_ACCEL_MAX_RAD_S2 * tick.credit_s;
+        let last_rad_s = self.x.yaw_rate_rad_s;
+        self.x.yaw_rate_rad_s = now_rad_s
+            .at_least(last_rad_s - most_rad_s)
+            .at_most(last_rad_s + most_rad_s);
     }
 
     /// Roll moves with the best rate there is.

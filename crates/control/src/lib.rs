@@ -4,8 +4,8 @@
 //! once per tick. `no_std`, no allocation, no clock of its own, no panic, `f32`.
 //!
 //! Read [`step`] first. One tick is
-//! [`Senses`](senses::Senses) (which samples can be believed), the [`estimator`], the
-//! [`supervisor`] (mode and health), the [`law`] (how large a pair), the [`allocation`] (how much
+//! [`Senses`](senses::Senses) (which samples can be believed), the [`estimator`], [`doubt`] (which of
+//! them contradict each other), the [`supervisor`] (mode and health), the [`law`] (how large a pair), the [`allocation`] (how much
 //! of it the tyres carry) and the [`guard`], which trusts none of the others.
 //!
 //! The pair is parametric: straight and upright it pushes the bicycle nowhere, it stiffens the
@@ -29,6 +29,7 @@ pub mod allocation;
 mod bounded;
 pub mod clock;
 pub mod config;
+pub mod doubt;
 pub mod estimator;
 pub mod guard;
 pub mod law;

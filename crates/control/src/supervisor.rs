@@ -8,6 +8,7 @@ use twinhub_types::{Estimate, Health, Mode};
 
 use crate::clock::Tick;
 use crate::config::Config;
+use crate::doubt::Doubts;
 use crate::senses::Seen;
 
 /// How long a cause has to be away before its flag falls, s.
@@ -16,7 +17,7 @@ pub const CLEAR_S: f32 = 1.0;
 pub const FALLEN_RAD: f32 = 0.9;
 /// How far beyond the edge of its range the speed may be before the pair is withdrawn, m/s.
 pub const SPEED_HYSTERESIS_M_S: f32 = 0.3;
-/// Share of the largest pair that a missing steer sensor leaves.
+/// Share of the largest pair that a missing or doubted steer sensor leaves.
 pub const SHARE_WITHOUT_STEER: f32 = 0.5;
 
 /// Flags that stand for a fault; any other flag degrades.
@@ -24,6 +25,9 @@ pub const FAULTS: Health = Health::LINK_LOST
     .with(Health::TIME_JUMP)
     .with(Health::CONFIG_REFUSED)
     .with(Health::FALLEN);
+
+/// Flags that say nothing worse than that steer is not known.
+const WITHOUT_STEER: Health = Health::STEER_MISSING.with(Health::STEER_DOUBT);
 
 /// One flag and how long its cause has been away.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +71,8 @@ pub struct Supervisor {
     intent: Watch,
     time: Watch,
     fallen: Watch,
+    steer_doubt: Watch,
+    speed_doubt: Watch,
     health: Health,
     mode: Mode,
 }
@@ -85,13 +91,15 @@ impl Supervisor {
             intent: Watch::new(Health::INTENT_MISSING),
             time: Watch::new(Health::TIME_JUMP),
             fallen: Watch::new(Health::FALLEN),
+            steer_doubt: Watch::new(Health::STEER_DOUBT),
+            speed_doubt: Watch::new(Health::SPEED_DOUBT),
             health: Health::OK,
             mode: Mode::Off,
         }
     }
 
     /// The mode of this tick.
-    pub fn update(&mut self, tick: &Tick, seen: &Seen, x: &Estimate) -> Mode {
+    pub fn update(&mut self, tick: &Tick, seen: &Seen, x: &Estimate, doubts: Doubts) -> Mode {
         let credit_s = tick.credit_s;
         let refused = if self.refused {
             Health::CONFIG_REFUSED
@@ -106,7 +114,9 @@ impl Supervisor {
             .with(self.speed.update(seen.wheels.is_none(), credit_s))
             .with(self.intent.update(seen.intent.is_none(), credit_s))
             .with(self.time.update(!tick.regular, credit_s))
-            .with(self.fallen.update(x.roll_rad.abs() > FALLEN_RAD, credit_s));
+            .with(self.fallen.update(x.roll_rad.abs() > FALLEN_RAD, credit_s))
+            .with(self.steer_doubt.update(doubts.steer, credit_s))
+            .with(self.speed_doubt.update(doubts.speed, credit_s));
         self.mode = self.next_mode(seen, x);
         self.mode
     }
@@ -141,12 +151,12 @@ impl Supervisor {
     }
 
     /// Share of the largest pair that the mode allows: all of it while active, half of it while
-    /// nothing but the steer sensor is missing (the pair's magnitude does not rest on it), else
-    /// none.
+    /// nothing but the steer sensor is missing or doubted (the pair's magnitude does not rest on it),
+    /// else none.
     pub fn share_ratio(&self) -> f32 {
         match self.mode {
             Mode::Active => 1.0,
-            Mode::Degraded if self.health == Health::STEER_MISSING => SHARE_WITHOUT_STEER,
+            Mode::Degraded if self.health.without(WITHOUT_STEER).is_ok() => SHARE_WITHOUT_STEER,
             _ => 0.0,
         }
     }

@@ -19,6 +19,7 @@ pub mod rider;
 pub mod road;
 pub mod scalar;
 pub mod sensor;
+pub mod steering;
 pub mod truth;
 pub mod tyre;
 pub mod wind;

@@ -3,25 +3,17 @@
 //! At tick k (ride time k ms) the sensors are read and the controller is asked; its torques, the
 //! rider's action and the disturbances act from k to k + 1 ms.
 
-use crate::error::{RideError, SetupError};
+use crate::bench::{Bench, OwnRider};
+use crate::error::RideError;
 use crate::logger::Logger;
 use crate::metrics::{Metrics, Sums};
-use crate::record::{RiderRow, TruthRow, truth_row};
 use crate::setup::Ride;
 use crate::{TICK, TICK_S};
 use std::path::PathBuf;
 use twinhub_link::protocol::is_plausible;
 use twinhub_link::{ControllerPort, Faulty, LinkError, Pacing, Timing};
 use twinhub_log::Level;
-use twinhub_plant::disturbance::{Disturbances, Wrench};
-use twinhub_plant::motor::{PowerOutput, PowerTrain};
-use twinhub_plant::rider::{Action, Perception, Rider};
-use twinhub_plant::sensor::{SensorSuite, SensorTruth};
-use twinhub_plant::{PlantInput, PlantModel, Truth};
-use twinhub_types::messages::PROTOCOL_HASH;
-use twinhub_types::{
-    ControllerFrame, Header, Instant, Measurement, PlantFrame, RideState, RiderIntent,
-};
+use twinhub_types::{Instant, RideState};
 
 /// What a ride needs beside the [`Ride`] itself.
 #[derive(Clone, Debug)]
@@ -88,7 +80,21 @@ pub fn ride(
     port: &mut impl ControllerPort,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Outcome, RideError> {
-    let mut bench = Bench::new(ride)?;
+    ride_as(ride, settings, port, None, watch)
+}
+
+/// The same under a rider of the caller's own, if there is one; pedals are theirs too.
+///
+/// # Errors
+/// As [`ride`].
+pub fn ride_as(
+    ride: &Ride,
+    settings: &Settings,
+    port: &mut impl ControllerPort,
+    own: Option<OwnRider<'_>>,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Outcome, RideError> {
+    let mut bench = Bench::new(ride, own)?;
     let mut logger = match &settings.log {
         Some(path) => {
             let real_time = |t: Timing| t.pacing == Pacing::RealTime.name();
@@ -224,158 +230,4 @@ pub fn ride(
         digest,
         log,
     })
-}
-
-/// What rider and disturbances do in a tick.
-struct Acts {
-    wanted_speed_m_s: f64,
-    rider: Action,
-    side: Wrench,
-}
-
-/// Everything on the plant's side of the link.
-struct Bench<'a> {
-    ride: &'a Ride,
-    plant: Box<dyn PlantModel>,
-    rider: Rider,
-    sensors: SensorSuite,
-    disturbances: Disturbances,
-    power: PowerTrain,
-    power_out: PowerOutput,
-    assist_on: bool,
-}
-
-impl<'a> Bench<'a> {
-    fn new(ride: &'a Ride) -> Result<Self, SetupError> {
-        let bicycle = &ride.bicycle;
-        let plant = ride
-            .course
-            .plant
-            .build(bicycle, ride.course.speed_m_s(0.0))?;
-        let rider = ride
-            .rider
-            .start(ride.course.seed, TICK_S)
-            .map_err(|source| SetupError::Rider {
-                origin: ride.course.rider.clone(),
-                source,
-            })?;
-        Ok(Self {
-            ride,
-            plant,
-            rider,
-            sensors: ride.course.build_sensors(bicycle.shape().rear_radius_m)?,
-            disturbances: ride.course.build_disturbances(bicycle)?,
-            power: ride.course.build_motors()?,
-            power_out: PowerOutput::default(),
-            assist_on: ride.stabilizer_on,
-        })
-    }
-
-    /// What the controller is told at `now`.
-    fn frame(&mut self, now: Instant, tick: u64, state: RideState, truth: &Truth) -> PlantFrame {
-        let measurement: Measurement = self
-            .sensors
-            .sample(now, &SensorTruth::new(truth, &self.power_out));
-        PlantFrame {
-            header: Header {
-                protocol_hash: PROTOCOL_HASH,
-                sequence: tick,
-                tick,
-                time_ns: now.as_nanos(),
-                state: state as u32,
-                reserved: 0,
-            },
-            measurement,
-            intent: RiderIntent {
-                stamp_ns: now.as_nanos(),
-                assist_on: u32::from(self.assist_on),
-                // The pedals always turn; how hard is `pedal_nm`.
-                pedalling: 1,
-                ..RiderIntent::default()
-            },
-        }
-    }
-
-    /// True while neither drive drives its motor.
-    fn torque_is_zero(&self) -> bool {
-        self.power_out.front_reported_nm == 0.0 && self.power_out.rear_reported_nm == 0.0
-    }
-
-    /// What rider and disturbances do in this tick: nothing of it hangs on the controller's answer,
-    /// so it is worked out while that is on its way.
-    fn act(&mut self, now: Instant, truth: &Truth) -> Acts {
-        let wanted_speed_m_s = self.ride.course.speed_m_s(now.as_secs_f64());
-        Acts {
-            wanted_speed_m_s,
-            rider: self.rider.act(&perception(truth, wanted_speed_m_s), TICK_S),
-            side: self.disturbances.at(now.as_secs_f64()),
-        }
-    }
-
-    /// Goes on by one tick under the controller's answer; `None` is silence.
-    fn step(
-        &mut self,
-        now: Instant,
-        truth: &Truth,
-        acts: &Acts,
-        answer: Option<&ControllerFrame>,
-    ) -> (TruthRow, RiderRow) {
-        let (action, side) = (&acts.rider, &acts.side);
-        self.power_out = self.power.step(
-            now,
-            answer.map(|a| a.output.command),
-            truth.front_wheel_rate_rad_s,
-            truth.rear_wheel_rate_rad_s,
-            TICK,
-        );
-        let wind = self.ride.course.plant.wind();
-        let input = PlantInput {
-            front_brake_nm: self.power_out.front_brake_nm,
-            rear_traction_nm: self.power_out.rear_traction_nm,
-            steer_torque_nm: action.steer_torque_nm + side.steer_torque_nm,
-            pedal_force_n: action.pedal_force_n,
-            lateral_force_n: side.lateral_force_n,
-            lateral_force_x_m: side.point_x_m,
-            lateral_force_height_m: side.point_height_m,
-            roll_torque_nm: side.roll_torque_nm,
-            yaw_torque_nm: side.yaw_torque_nm,
-            trunk_lean_torque_nm: action.trunk_lean_torque_nm,
-            leg_torque_nm: action.leg_torque_nm,
-            wind_m_s: wind.map_or([0.0; 2], |w| w.velocity_m_s(now.as_secs_f64())),
-            rear_road_y_m_s: side.rear_road_y_m_s,
-        };
-        self.plant.step(&input, TICK_S);
-        let row = TruthRow {
-            front_brake_nm: input.front_brake_nm,
-            rear_traction_nm: input.rear_traction_nm,
-            lateral_force_n: input.lateral_force_n,
-            battery_w: self.power_out.bus_v * self.power_out.bus_a,
-            ..truth_row(truth)
-        };
-        let rider = RiderRow {
-            steer_torque_nm: action.steer_torque_nm,
-            trunk_lean_torque_nm: action.trunk_lean_torque_nm,
-            left_leg_torque_nm: action.leg_torque_nm[0],
-            right_leg_torque_nm: action.leg_torque_nm[1],
-            pedal_force_n: action.pedal_force_n,
-            wanted_speed_m_s: acts.wanted_speed_m_s,
-        };
-        (row, rider)
-    }
-}
-
-fn perception(t: &Truth, wanted_speed_m_s: f64) -> Perception {
-    Perception {
-        roll_rad: t.roll_rad,
-        roll_rate_rad_s: t.roll_rate_rad_s,
-        steer_rad: t.steer_rad,
-        steer_rate_rad_s: t.steer_rate_rad_s,
-        trunk_lean_rad: t.trunk_lean_rad,
-        trunk_lean_rate_rad_s: t.trunk_lean_rate_rad_s,
-        legs_rad: t.legs_rad,
-        leg_rates_rad_s: t.leg_rates_rad_s,
-        yaw_rad: t.yaw_rad,
-        speed_m_s: t.speed_m_s,
-        wanted_speed_m_s,
-    }
 }

@@ -6,6 +6,7 @@
 //!
 //! Read [`closed_loop`] first: it is the tick.
 
+mod bench;
 pub mod bicycle;
 pub mod choice;
 pub mod closed_loop;
@@ -21,12 +22,16 @@ mod resolve;
 pub mod scenario;
 pub mod setup;
 pub mod shipped;
+pub mod stepper;
+pub mod things;
 
-pub use closed_loop::{Ending, Outcome, Progress, Settings, ride};
+pub use bench::{OwnRider, device};
+pub use closed_loop::{Ending, Outcome, Progress, Settings, ride, ride_as};
 pub use controller::in_process;
 pub use error::{RideError, SetupError};
 pub use metrics::Metrics;
 pub use setup::Ride;
+pub use stepper::{Stepped, Stepper};
 
 use twinhub_types::Duration;
 

@@ -115,6 +115,24 @@ pub fn load_rider(rider: &str) -> Result<RiderFile, SetupError> {
     Ok(file)
 }
 
+/// The law called `law`, a name that ships or a file, with `assignments` (`path=value`) applied.
+///
+/// # Errors
+/// If there is none, an assignment is wrong, or it breaks a rule.
+pub fn load_law(law: &str, assignments: &[String]) -> Result<Config, SetupError> {
+    let overrides: Vec<Override> = assignments
+        .iter()
+        .map(|text| Override::parse(&format!("law.{text}")))
+        .collect::<Result<_, _>>()?;
+    let (origin, text) = find("law", law, shipped::LAWS)?;
+    let config: Config = read(&origin, &text, &overrides.iter().collect::<Vec<_>>())?;
+    config.check().map_err(|e| SetupError::Law {
+        origin,
+        detail: e.to_string(),
+    })?;
+    Ok(config)
+}
+
 /// The text of `what`, a name that ships or a file, and where it comes from.
 pub(crate) fn find(
     kind: &'static str,

@@ -28,7 +28,8 @@ pub const RIDERS: &[Shipped] = shipped!("../riders/":
 );
 /// Laws that ship.
 pub const LAWS: &[Shipped] =
-    shipped!("../../control/laws/": "off", "constant", "scheduled", "scheduled_20_nm");
+    shipped!("../../control/laws/": "off", "constant", "constant_80_nm", "scheduled", "scheduled_20_nm", "scheduled_low_energy",
+        "roll_steer_feedback", "steering_spring", "steering_motor");
 /// Scenarios that ship.
 pub const SCENARIOS: &[Shipped] = shipped!("../scenarios/": "push_7ms_off", "push_7ms_pair", "push_7ms_pair_until_20s",
     "corner_off", "corner_front", "corner_rear", "past_friction", "pedalling", "rig");

@@ -90,6 +90,10 @@ health_flags! {
     CONFIG_REFUSED = 6, "config_refused", "the schedule or a limit is not finite, not ordered or beyond the hard limits", "stabilizer not configured", "a valid configuration and a restart";
     /// The bicycle lies on its side.
     FALLEN = 7, "fallen", "roll is beyond the fall limit", "fallen: no torque until upright", "upright for one second";
+    /// Steer and yaw rate contradict each other.
+    STEER_DOUBT = 8, "steer_doubt", "steer angle and yaw rate have not fitted each other for half a second", "steer sensor doubted", "values that fit for one second";
+    /// The three speeds contradict each other.
+    SPEED_DOUBT = 9, "speed_doubt", "wheel speeds and speedometer have not fitted each other for half a second", "speed sensor doubted", "values that fit for one second";
 }
 
 impl Health {

@@ -10,7 +10,11 @@ pub fn config(name: &str) -> Config {
     let text = match name {
         "off" => include_str!("../../laws/off.toml"),
         "constant" => include_str!("../../laws/constant.toml"),
-        _ => include_str!("../../laws/scheduled.toml"),
+        "roll_steer_feedback" => include_str!("../../laws/roll_steer_feedback.toml"),
+        "steering_spring" => include_str!("../../laws/steering_spring.toml"),
+        "steering_motor" => include_str!("../../laws/steering_motor.toml"),
+        "scheduled" => include_str!("../../laws/scheduled.toml"),
+        other => panic!("no law file {other} ships"),
     };
     toml::from_str(text).expect("a law file that ships can be read")
 }

@@ -34,8 +34,11 @@ impl Dice {
     }
 }
 
+/// `TWINHUB_GUARD_CALLS=100000000` makes it a long run.
 #[test]
 fn a_million_calls_break_no_promise() {
+    let asked = std::env::var("TWINHUB_GUARD_CALLS").ok();
+    let calls: u64 = asked.and_then(|text| text.parse().ok()).unwrap_or(1_000_000) / 2;
     for (profile, seed) in [(Profile::Laboratory, 1), (Profile::En15194, 2)] {
         let mut config = config("constant");
         config.profile = profile;
@@ -50,7 +53,7 @@ fn a_million_calls_break_no_promise() {
         let (mut torque, mut undisturbed) = (0u64, 0u64);
         let mut request = Request::default();
         let mut mode = Mode::Active;
-        for call in 0..500_000u64 {
+        for call in 0..calls {
             ms += match dice.below(2_000) {
                 0 => dice.below(5_000),
                 1..4 => 0,
@@ -102,10 +105,10 @@ fn a_million_calls_break_no_promise() {
             }
         }
         assert!(
-            torque > 50_000,
+            torque > calls / 10,
             "a guard that lets nothing out proves nothing: {torque}"
         );
-        assert!(undisturbed > 400_000, "most of a ride is healthy");
+        assert!(undisturbed > calls / 5 * 4, "most of a ride is healthy");
     }
 }
 

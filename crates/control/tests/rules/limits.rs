@@ -91,13 +91,13 @@ proptest! {
 
     #[test]
     fn whatever_comes_in_what_goes_out_is_in_bounds(
-        law in 0usize..3,
+        law in 0..twinhub_control::Law::NAMES.len(),
         road in any::<bool>(),
         speed_m_s in 0f32..12.0,
         warm in 0u64..4_000,
         ticks in proptest::collection::vec((span(), frame()), 200),
     ) {
-        let mut config = config(["off", "constant", "scheduled"][law]);
+        let mut config = config(twinhub_control::Law::NAMES[law]);
         config.profile = if road { Profile::En15194 } else { Profile::Laboratory };
         let limits = GuardLimits::new(&config);
         let (mut controller, mut referee) = (Controller::new(&config), Referee::new(limits));

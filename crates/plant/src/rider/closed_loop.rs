@@ -140,7 +140,7 @@ impl ClosedLoop {
     }
 
     /// Largest growth rate of the finite model, 1/s: a search's fast look.
-    pub(super) fn growth_of_finite_per_s(&self) -> f64 {
+    pub fn growth_of_finite_per_s(&self) -> f64 {
         let m = self.finite();
         let rounds = 200 * m.nrows();
         Schur::try_new(m, f64::EPSILON, rounds).map_or(f64::INFINITY, |schur| {

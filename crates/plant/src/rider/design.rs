@@ -44,10 +44,41 @@ pub enum Hands {
 pub struct Goal {
     /// How the rider takes the handlebar.
     pub hands: Hands,
-    /// Speeds of the gain table, m/s, rising.
-    pub speeds_m_s: Vec<f64>,
+    /// The rows of the gain table, speeds rising.
+    pub at: Vec<Situation>,
+}
+
+/// What a row of the gain table has to cope with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Situation {
+    /// Speed, m/s.
+    pub speed_m_s: f64,
     /// Pairs that the rider has to ride with, Nm.
     pub pairs_nm: Vec<f64>,
+    /// A device on the handlebar that acts beside the rider.
+    pub device: Option<LinearChannel>,
+}
+
+impl Goal {
+    /// The same pairs at every speed, no device.
+    pub fn everywhere(hands: Hands, speeds_m_s: &[f64], pairs_nm: &[f64]) -> Self {
+        let situation = |speed_m_s: &f64| Situation {
+            speed_m_s: *speed_m_s,
+            pairs_nm: pairs_nm.to_vec(),
+            device: None,
+        };
+        Self {
+            hands,
+            at: speeds_m_s.iter().map(situation).collect(),
+        }
+    }
+}
+
+impl Situation {
+    /// The rider's channel, and the device.
+    fn channels(&self, rider: LinearChannel) -> Vec<LinearChannel> {
+        core::iter::once(rider).chain(self.device).collect()
+    }
 }
 
 /// A designed rider.
@@ -158,16 +189,17 @@ impl Hands {
 pub fn design(model: &Multibody, goal: &Goal) -> Result<Designed, MultibodyError> {
     let mut table: Vec<(f64, Vec<f64>)> = Vec::new();
     let mut bicycles = Vec::new();
-    for &speed_m_s in &goal.speeds_m_s {
-        let at: Result<Vec<LateralBicycle>, _> = goal
+    for situation in &goal.at {
+        let at: Result<Vec<LateralBicycle>, _> = situation
             .pairs_nm
             .iter()
-            .map(|&pair_nm| LateralBicycle::new(model, speed_m_s, pair_nm))
+            .map(|&pair_nm| LateralBicycle::new(model, situation.speed_m_s, pair_nm))
             .collect();
         bicycles.push(at?);
     }
     // From the highest speed down, where bicycles are easiest to ride.
-    for (i, &speed_m_s) in goal.speeds_m_s.iter().enumerate().rev() {
+    for (i, situation) in goal.at.iter().enumerate().rev() {
+        let speed_m_s = situation.speed_m_s;
         let growth = |k: &[f64]| {
             let channel = goal
                 .hands
@@ -175,7 +207,7 @@ pub fn design(model: &Multibody, goal: &Goal) -> Result<Designed, MultibodyError
                 .linear(speed_m_s);
             bicycles[i]
                 .iter()
-                .map(|b| ClosedLoop::new(b, &[channel]).growth_of_finite_per_s())
+                .map(|b| ClosedLoop::new(b, &situation.channels(channel)).growth_of_finite_per_s())
                 .fold(f64::NEG_INFINITY, f64::max)
         };
         let (mut starts, size) = goal.hands.starts();
@@ -192,9 +224,11 @@ pub fn design(model: &Multibody, goal: &Goal) -> Result<Designed, MultibodyError
     table.reverse();
     let hands = goal.hands.with(&table);
     let mut stability = Vec::new();
-    for (i, &speed_m_s) in goal.speeds_m_s.iter().enumerate() {
-        for (bicycle, &pair_nm) in bicycles[i].iter().zip(&goal.pairs_nm) {
-            let roots = ClosedLoop::new(bicycle, &[hands.linear(speed_m_s)]).eigenvalues()?;
+    for (i, situation) in goal.at.iter().enumerate() {
+        let speed_m_s = situation.speed_m_s;
+        let channels = situation.channels(hands.linear(speed_m_s));
+        for (bicycle, &pair_nm) in bicycles[i].iter().zip(&situation.pairs_nm) {
+            let roots = ClosedLoop::new(bicycle, &channels).eigenvalues()?;
             let first = roots.first().copied().unwrap_or_default();
             stability.push(StabilityAt {
                 speed_m_s,

@@ -70,15 +70,12 @@ pub const BICYCLE: &str = "bulsink2017_bicycle1_full";
 impl Preset {
     /// What the design has to reach: 3 to 8 m/s, without a pair and with 20 and 40 Nm.
     pub fn goal(&self) -> Goal {
-        Goal {
-            hands: self.hands(),
-            speeds_m_s: (6..=16).map(|half| 0.5 * f64::from(half)).collect(),
-            pairs_nm: vec![0.0, 20.0, 40.0],
-        }
+        let speeds_m_s: Vec<f64> = (6..=16).map(|half| 0.5 * f64::from(half)).collect();
+        Goal::everywhere(self.hands(), &speeds_m_s, &[0.0, 20.0, 40.0])
     }
 
     /// How the rider takes the bar, gains still to be found.
-    fn hands(&self) -> Hands {
+    pub fn hands(&self) -> Hands {
         let (neuromuscular_rad_s, neuromuscular_damping_ratio) = (30.0, 0.707);
         match self.arms {
             None => Hands::Torque {
