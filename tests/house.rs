@@ -30,6 +30,17 @@ const ARROWS: &[(&str, &[&str])] = &[
             "twinhub-log",
         ],
     ),
+    ("twinhub-design", &["twinhub-control"]),
+    (
+        "twinhub-league",
+        &[
+            "twinhub-types",
+            "twinhub-control",
+            "twinhub-plant",
+            "twinhub-link",
+            "twinhub-sim",
+        ],
+    ),
     ("twinhub-ident", &["twinhub-types", "twinhub-linear"]),
     (
         "twinhub-diagnose",

@@ -10,6 +10,9 @@ mod diagnose_page;
 mod doctor;
 mod exit;
 mod experiment;
+mod faults;
+mod league;
+mod league_print;
 mod link_args;
 mod map;
 mod modes;
@@ -60,6 +63,12 @@ enum Command {
     Experiment(experiment::ExperimentArgs),
     /// Sealed rides with a known answer through the diagnosis, and its metrics
     Blind(blind::BlindArgs),
+    /// Controllers against each other over a population of riders
+    League(league::LeagueArgs),
+    /// Files of a league's shards, put together
+    Merge(league::MergeArgs),
+    /// What each fault of a sensor or of the link does to a ride
+    Faults(faults::FaultsArgs),
     /// The figures of Bulsink (2017) beside those of the multibody model
     Reproduce(reproduce::ReproduceArgs),
     /// Forces and torques of a tyre
@@ -101,6 +110,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         cli.command,
         Command::Ride(_)
             | Command::Soak(_)
+            | Command::League(_)
             | Command::Replay(_)
             | Command::Torture(_)
             | Command::PlantProcess
@@ -125,6 +135,9 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Blind(args) => blind::run(&args),
+        Command::Faults(args) => faults::run(&args),
+        Command::League(args) => league::run(&args),
+        Command::Merge(args) => league::run_merge(&args),
         Command::List(args) => catalogue::list(&args),
         Command::Explain(args) => catalogue::explain(&args),
         Command::Completions { shell } => {

@@ -171,3 +171,97 @@ fn a_scenario_is_simulated() {
     let (_, code) = told(dir, &["simulate", "past_friction", "--set", "duration_s=3"]);
     assert_eq!(code, 1, "a fall is exit code 1");
 }
+
+const LEAGUE: [&str; 9] = [
+    "league",
+    "--riders",
+    "2",
+    "--classes",
+    "older",
+    "--duration-s",
+    "10",
+    "--controllers",
+    "constant,steering_spring",
+];
+
+#[test]
+fn shards_of_a_league_put_together_are_the_league() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let dir = dir.path();
+    let with = |more: &[&'static str]| -> Vec<&'static str> {
+        LEAGUE.iter().copied().chain(more.iter().copied()).collect()
+    };
+    let whole = json(dir, &with(&["--out", "whole.jsonl", "--json"]));
+    told(dir, &with(&["--shard", "1/2", "--out", "one.jsonl"]));
+    told(dir, &with(&["--shard", "2/2", "--out", "two.jsonl"]));
+    let merged = json(
+        dir,
+        &["merge", "two.jsonl", "one.jsonl", "--out", "both.jsonl", "--report", "league.html", "--json"],
+    );
+    assert_eq!(merged, whole);
+    let sorted = |name: &str| {
+        let text = std::fs::read_to_string(dir.join(name)).expect("written");
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted("both.jsonl"), sorted("whole.jsonl"));
+    let page = std::fs::read_to_string(dir.join("league.html")).expect("written");
+    assert!(page.contains("<svg") && page.contains("steering_spring"));
+
+    let rows = whole["rows"].as_array().expect("rows");
+    let energy = |name: &str| {
+        let row = rows.iter().find(|r| r["controller"] == name && r["class"] == "older");
+        row.expect("a row")["energy_wh_per_km"]["value"].as_f64().expect("a number")
+    };
+    assert!(energy("constant") > 1.0 && energy("steering_spring").abs() < 1e-6);
+    assert_eq!(rows.len(), 3, "off, and the two");
+    assert!(rows.iter().all(|r| r["front_locked_ticks"] == 0));
+
+    // Broken off in the middle of a line: the rest is ridden again, the same.
+    let text = std::fs::read_to_string(dir.join("whole.jsonl")).expect("written");
+    std::fs::write(dir.join("cut.jsonl"), &text[..text.len() - 100]).expect("written");
+    let again = json(dir, &with(&["--out", "cut.jsonl", "--json"]));
+    assert_eq!(again, whole);
+    assert_eq!(sorted("cut.jsonl"), sorted("whole.jsonl"));
+}
+
+#[test]
+fn a_league_refuses_what_it_cannot_use() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let dir = dir.path();
+    std::fs::write(dir.join("no_league.jsonl"), "{\"spec\": 1}\n").expect("written");
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_twinhub"))
+            .args(arguments)
+            .current_dir(dir)
+            .output()
+            .expect("starts");
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
+        for part in parts {
+            assert!(words.contains(part), "`{part}` is missing in: {words}");
+        }
+    };
+    refused(&["league", "--classes", "old"], &["old", "young_firm"]);
+    refused(&["league", "--controllers", "no_such"], &["no_such", "scheduled"]);
+    refused(&["league", "--controllers", "constant,constant"], &["constant", "twice"]);
+    refused(&["league", "--riders", "0"], &["riders", "0", "1 to"]);
+    refused(&["league", "--profile", "racing"], &["racing", "en15194"]);
+    refused(&["league", "--shard", "3/2", "--out", "x.jsonl"], &["3/2", "from 1 to N"]);
+    refused(&["merge", "no_league.jsonl"], &["no_league.jsonl", "line 1"]);
+    refused(&["faults", "--only", "no such fault"], &["no such fault", "steer_angle"]);
+}
+
+#[test]
+fn a_gone_steer_sensor_is_noticed_in_time_and_breaks_no_limit() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let found = json(
+        dir.path(),
+        &["faults", "--riders", "1", "--only", "steer gone", "--json"],
+    );
+    let fault = &found["faults"][0];
+    assert_eq!(fault["verdict"], "detected", "{fault}");
+    assert_eq!(fault["flags"], serde_json::json!(["steer_missing"]));
+    assert_eq!(fault["limits_broken"], 0);
+}

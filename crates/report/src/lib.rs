@@ -12,6 +12,7 @@ pub mod blind;
 pub mod chart;
 pub mod compare;
 pub mod diagnose;
+pub mod league;
 pub mod line;
 pub mod map_picture;
 pub mod modes_picture;
