@@ -99,7 +99,6 @@ pub fn search(
     let mut contenders = vec![];
     let mut at_end = vec![];
     let mut last: Option<Refit> = None;
-    let mut disagreement = None;
     for round in 0..=THRESHOLDS.most_causes {
         progress(&format!("tests, round {}", round + 1));
         let left: Vec<&'static dyn Mechanism> = library
@@ -150,12 +149,6 @@ pub fn search(
                 });
                 baseline = refreshed(material.fit, chosen.refit.baseline.clone())?;
                 last = Some(chosen.refit);
-                if let Some(p) = disagreement_p(material.fit, &baseline)
-                    && p < THRESHOLDS.agreement_p_value
-                {
-                    let name = accepted.last().map_or("", |a| a.mechanism.card().name);
-                    disagreement = Some((name, p));
-                }
                 if first.is_none() {
                     first = Some(tested);
                 }
@@ -174,6 +167,7 @@ pub fn search(
         baseline = refreshed(material.fit, baseline)?;
         last = finish(material.fit, material.free, baseline.clone(), 0);
     }
+    let disagreement = disagreement(material.fit, &baseline, &accepted);
     progress("what is left");
     let left = leftovers(material, &baseline, decide)?;
     Some(Found {
@@ -234,18 +228,35 @@ fn eliminate(
     Some(baseline)
 }
 
-/// p-value of the hypothesis that all rides want the same size of the last accepted cause.
-fn disagreement_p(rides: &Rides, baseline: &Baseline) -> Option<f64> {
-    let bench = Bench::new(rides, baseline)?;
-    let index = baseline.model.active.len().checked_sub(1)?;
-    let column = active_columns(rides, baseline, &bench.passes, index)
-        .into_iter()
-        .next()?;
+/// The accepted cause about which rides disagree most, if they do: judged when all causes are in, for
+/// one that is still missing lets rides disagree about the others.
+fn disagreement(
+    rides: &Rides,
+    baseline: &Baseline,
+    accepted: &[Accepted],
+) -> Option<(&'static str, f64)> {
     let count = rides.0.len();
-    if count < 2 {
+    if accepted.is_empty() || count < 2 {
         return None;
     }
-    // By ride: score, information, and the blocks' spread of the score.
+    let bench = Bench::new(rides, baseline)?;
+    let of = |index: usize| {
+        let column = active_columns(rides, baseline, &bench.passes, index)
+            .into_iter()
+            .next()?;
+        disagreement_p(&bench, &column, count)
+    };
+    accepted
+        .iter()
+        .enumerate()
+        .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
+        .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// p-value of the hypothesis that all rides want the same size of the effect in `column`.
+fn disagreement_p(bench: &Bench<'_>, column: &[f64], count: usize) -> Option<f64> {
+    // By ride: score and information. By block: score, and whose it is.
     let mut sums = vec![[0.0; 2]; count];
     let mut blocks = vec![(0.0, 0); bench.blocks];
     for (k, g) in column.iter().enumerate() {
@@ -255,9 +266,16 @@ fn disagreement_p(rides: &Rides, baseline: &Baseline) -> Option<f64> {
         blocks[bench.block[k]].0 += g * bench.residual[k];
         blocks[bench.block[k]].1 = ride;
     }
+    // Variance of a ride's score from its blocks, about their mean: a ride that wants another size
+    // does not widen its own yardstick.
     let mut spread = vec![0.0; count];
-    for (score, ride) in blocks {
-        spread[ride] += score * score;
+    for (ride, spread) in spread.iter_mut().enumerate() {
+        let own: Vec<f64> = blocks.iter().filter(|b| b.1 == ride).map(|b| b.0).collect();
+        let n = own.len() as f64;
+        if n > 1.0 {
+            let mean = own.iter().sum::<f64>() / n;
+            *spread = own.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() * n / (n - 1.0);
+        }
     }
     let statistic: f64 = sums
         .iter()

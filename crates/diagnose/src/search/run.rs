@@ -255,23 +255,21 @@ pub fn diagnose_data(
     fill(&mut answer, &found, &held);
     limits::fill(&mut answer, &found, &fit, &held);
     judge(&mut answer, &found, !held.0.is_empty());
-    if matches!(answer.verdict, Verdict::BadData) {
-        answer.statements = words::statements(&answer);
-        return Ok(answer);
-    }
     progress("gains on held-out rides");
     let nominal = crate::engine::Model {
         bicycle: bicycle.clone(),
         ..calibrated_model.clone()
     };
-    gain::fill(
-        &mut answer,
-        &held,
-        &nominal,
-        &calibrated_model,
-        &found.baseline.model,
-    );
+    let extended = &found.baseline.model;
+    gain::fill(&mut answer, &held, &nominal, &calibrated_model, extended);
     withdraw(&mut answer);
+    if let Some((name, p)) = found.disagreement {
+        disagree(&mut answer, name, p);
+        if answer.causes.is_empty() {
+            // Nothing was extended.
+            gain::fill(&mut answer, &held, &nominal, &calibrated_model, &calibrated_model);
+        }
+    }
     super::locate::fill(&mut answer, &fit, &calibrated_model, &found);
     answer.plant = plant_file(study, &answer, &found);
     answer.statements = words::statements(&answer);
@@ -337,18 +335,6 @@ fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides
 
 /// Verdict, confirmations, next experiment.
 fn judge(answer: &mut Answer, found: &Found, decided: bool) {
-    if let Some((name, p)) = found.disagreement {
-        answer.verdict = Verdict::BadData;
-        answer.causes.clear();
-        answer.faults.push(Fault {
-            channel: "rides".to_owned(),
-            ride: None,
-            reason: format!(
-                "the rides disagree about {name} (p = {p:.1e}): not one bicycle, or inputs that do not belong to the outputs"
-            ),
-        });
-        return;
-    }
     let dirty: Vec<&str> = found.left.iter().map(|l| l.probe.equation.name()).collect();
     for (cause, accepted) in answer.causes.iter_mut().zip(&found.accepted) {
         let own = accepted.mechanism.card().equations;
@@ -432,6 +418,37 @@ fn withdraw(answer: &mut Answer) {
         cause.confirmed = false;
     }
     answer.verdict = Verdict::Partial;
+}
+
+/// Rides that want different sizes of the cause called `name`. Where the model explains everything
+/// else, they are not rides of one bicycle and the cause is none; where it fails anyway, the name stays
+/// provisional.
+fn disagree(answer: &mut Answer, name: &str, p: f64) {
+    let otherwise_sound = answer.unpredicted.is_empty()
+        && matches!(
+            answer.verdict,
+            Verdict::Cause | Verdict::Causes | Verdict::Tolerance
+        );
+    let meaning = if otherwise_sound {
+        answer.causes.clear();
+        answer.places.clear();
+        answer.next_experiment = None;
+        answer.verdict = Verdict::Unknown;
+        "not one bicycle, inputs that do not belong to the outputs, or a cause that has no name here"
+    } else {
+        for cause in &mut answer.causes {
+            cause.confirmed = false;
+        }
+        if !answer.causes.is_empty() {
+            answer.verdict = Verdict::Partial;
+        }
+        "its size holds for none of them"
+    };
+    answer.faults.push(Fault {
+        channel: "rides".to_owned(),
+        ride: None,
+        reason: format!("the rides disagree about {name} (p = {p:.1e}): {meaning}"),
+    });
 }
 
 /// The word of the answer for a mechanism's first equation.
