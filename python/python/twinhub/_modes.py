@@ -111,6 +111,20 @@ class Modes:
         values: npt.NDArray[np.complex128] = self.eigenvalues[chosen]
         return values.reshape(len(self.speed_m_s), count)
 
+    def _repr_html_(self) -> str:
+        order = np.argsort(self.speed_m_s)
+        v = self.speed_m_s[order]
+        real, imaginary = self.eigenvalues.real[order], np.abs(self.eigenvalues.imag[order])
+
+        def lines(values: npt.NDArray[np.float64]) -> list[tuple[str, list[float], list[float]]]:
+            return [(f"{k + 1}", v.tolist(), values[:, k].tolist()) for k in range(values.shape[1])]
+
+        return _twinhub.line_chart(
+            f"Eigenvalues of {self.bicycle}, {self.front_brake_nm:g} Nm",
+            "speed, m/s",
+            [("growth", "1/s", lines(real)), ("frequency", "rad/s", lines(imaginary))],
+        )
+
     def __repr__(self) -> str:
         return (
             f"Modes({self.bicycle!r}, front_brake_nm={self.front_brake_nm:g}, "

@@ -1,0 +1,91 @@
+//! What the model gets wrong about measured rides.
+
+use crate::errors;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use twinhub_diagnose::data::{DataFolders, RideData, read_ride};
+use twinhub_diagnose::search::experiment::experiment as what_rides_show;
+use twinhub_diagnose::search::{Options, diagnose_in};
+use twinhub_diagnose::study::Study;
+
+/// Tells `progress` where the work is, and hears what it or a signal raises.
+struct Teller<'a> {
+    progress: Option<&'a Py<PyAny>>,
+    raised: Option<PyErr>,
+}
+
+impl Teller<'_> {
+    fn tell(&mut self, text: &str) {
+        if self.raised.is_some() {
+            return;
+        }
+        let told = Python::attach(|py| -> PyResult<()> {
+            py.check_signals()?;
+            if let Some(progress) = self.progress {
+                progress.call1(py, (text,))?;
+            }
+            Ok(())
+        });
+        self.raised = told.err();
+    }
+}
+
+/// The answer as JSON, and the extended plant as TOML if there is one.
+#[pyfunction]
+pub fn diagnose(
+    py: Python<'_>,
+    study: &str,
+    data: Option<PathBuf>,
+    assignments: Vec<String>,
+    without: Vec<String>,
+    only: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, Option<String>)> {
+    let study = Study::read(study, &assignments).map_err(errors::input)?;
+    let folders = DataFolders::new(&study, data.as_deref());
+    let options = Options { without, only };
+    let mut teller = Teller {
+        progress: progress.as_ref(),
+        raised: None,
+    };
+    let found = py.detach(|| {
+        diagnose_in(&study, &folders, &options, &mut |text| teller.tell(text))
+            .map_err(|e| e.to_string())
+    });
+    if let Some(error) = teller.raised {
+        return Err(error);
+    }
+    let answer = found.map_err(errors::input)?;
+    let plant = answer.plant.as_ref().map(|plant| plant.to_toml());
+    let text = serde_json::to_string(&answer).map_err(errors::input)?;
+    Ok((text, plant))
+}
+
+/// What rides like these could show, as JSON.
+#[pyfunction]
+pub fn experiment(
+    py: Python<'_>,
+    study: &str,
+    data: Option<PathBuf>,
+    assignments: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let study = Study::read(study, &assignments).map_err(errors::input)?;
+    let folders = DataFolders::new(&study, data.as_deref());
+    let mut teller = Teller {
+        progress: progress.as_ref(),
+        raised: None,
+    };
+    let found = py.detach(|| {
+        let rides: Vec<RideData> = study
+            .rides
+            .iter()
+            .map(|ride| read_ride(ride, &folders).map_err(|e| e.to_string()))
+            .collect::<Result<_, _>>()?;
+        what_rides_show(&study, &rides, &mut |text| teller.tell(text)).map_err(|e| e.to_string())
+    });
+    if let Some(error) = teller.raised {
+        return Err(error);
+    }
+    serde_json::to_string(&found.map_err(errors::input)?).map_err(errors::input)
+}
