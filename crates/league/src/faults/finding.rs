@@ -14,8 +14,9 @@ pub const HARMLESS_NM: f32 = 10.0;
 pub const WITHDRAWN_NM_S: f32 = 25.0;
 /// Over which time the withdrawal is measured, ticks.
 const WITHDRAWN_TICKS: usize = 100;
-/// Torque that counts as out, Nm.
+/// Mean torque that counts as out, Nm, and over how many ticks it is taken.
 const OUT_NM: f32 = 1.0;
+const OUT_TICKS: usize = 20;
 
 /// What a fault came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,9 +72,9 @@ pub(super) fn finding(case: &Case, rides: &[Seen], healthy: &[Seen], never: usiz
     for (ride, reference) in rides.iter().zip(healthy) {
         let flagged = (onset..ride.health.len()).find(|tick| {
             if by_drives {
-                // Out and out for good, not for the tick of a wrong answer.
-                let until = (*tick + WITHDRAWN_TICKS).min(ride.drive_nm.len());
-                return ride.drive_nm[*tick..until].iter().all(|nm| nm.abs() < OUT_NM);
+                // Out for a while, not for the tick of a wrong answer; the report is noisy.
+                let next = &ride.drive_nm[*tick..(*tick + OUT_TICKS).min(ride.drive_nm.len())];
+                return next.iter().sum::<f32>().abs() < OUT_NM * next.len() as f32;
             }
             let before = reference.health.get(*tick).copied().unwrap_or(0);
             ride.health[*tick] & !before != 0
