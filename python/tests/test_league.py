@@ -77,6 +77,11 @@ def test_bad_input_is_refused(whole):
     with pytest.raises(twinhub.InputError, match="seed"):
         twinhub.merge_leagues([whole, twinhub.league(controllers=["constant"], seed=2, **SMALL)])
 
+    with pytest.raises(twinhub.InputError, match="measured against"):
+        twinhub.league(controllers={"off": Gentle}, **SMALL)
+    with pytest.raises(twinhub.InputError, match="twice"):
+        twinhub.league(controllers=["a/constant.toml", "constant"], **SMALL)
+
     def broken():
         raise KeyError("mine")
 

@@ -106,7 +106,8 @@ def league(
 ) -> League:
     """Let controllers compete on the same riders and courses.
 
-    The numbers are those of ``twinhub league``. ``off`` always rides.
+    The numbers are those of ``twinhub league`` with the same riders and controllers. ``off`` always
+    rides.
 
     Parameters
     ----------
@@ -151,10 +152,19 @@ def league(
     elif isinstance(controllers, Mapping):
         named = dict(controllers)
     else:
-        named = {os.path.splitext(os.path.basename(name_or_path("controllers", c)))[0]: c for c in controllers}
+        named = {}
+        for c in controllers:
+            stem = os.path.splitext(os.path.basename(name_or_path("controllers", c)))[0]
+            if stem in named:
+                raise InputError(f"controllers: {stem!r} is named twice; accepted: every controller once")
+            named[stem] = c
     factories: dict[str, LawFactory] = {}
     files: list[tuple[str, str]] = []
     for name, what in named.items():
+        if name == "off" and what != "off":
+            raise InputError(
+                "controllers: 'off' is what all are measured against; accepted: another name for this one"
+            )
         if isinstance(what, str | os.PathLike):
             files.append((name, name_or_path("controllers", what)))
         elif callable(what):
@@ -182,7 +192,7 @@ def league(
 
 
 def merge_leagues(leagues: Iterable[League]) -> League:
-    """Put shards together: exactly the league that one run in one piece gives.
+    """Put shards together: with all of them, exactly the league that one run in one piece gives.
 
     Parameters
     ----------

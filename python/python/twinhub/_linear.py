@@ -28,8 +28,8 @@ class Linear:
     states, inputs : tuple of str
         What x and u are, with units.
     mass, c1, k0, k2 : numpy.ndarray, shape (2, 2), or None
-        Of the benchmark model: M q'' + v C1 q' + (g K0 + v^2 K2) q, q = (roll, steer), as in Meijaard
-        et al. (2007); K0 has g in it. None for a multibody bicycle.
+        Of the benchmark model: M q'' + v C1 q' + (g K0 + v^2 K2) q = T, q = (roll, steer), as in
+        Meijaard et al. (2007); kg m^2, kg m, kg m, kg. None for a multibody bicycle.
     """
 
     bicycle: str

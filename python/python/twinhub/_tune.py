@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _twinhub
-from ._arguments import Assignments, NameOrPath
+from ._arguments import Assignments, NameOrPath, assignments
 from ._batch import Batch, batch
 from .errors import InputError
 
@@ -264,12 +264,12 @@ def tune(
         x0 = (np.array([start[path] for path in paths]) - low) / (high - low)
         if not ((x0 >= 0.0) & (x0 <= 1.0)).all():
             raise InputError(f"start={dict(start)!r}: accepted: values within the bounds")
-    chosen = list(seeds)
+    chosen, common = list(seeds), assignments(set)
 
     def ride(values: Mapping[str, float]) -> Batch:
         if executor is None:
-            return batch(course, chosen, set=set, vary=[values])
-        parts = list(executor.map(_ride_one, [(course, seed, set, dict(values)) for seed in chosen]))
+            return batch(course, chosen, set=common, vary=[values])
+        parts = list(executor.map(_ride_one, [(course, seed, common, dict(values)) for seed in chosen]))
         return Batch({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
     bench = _Bench(objective or Weighted(), paths, low, high, ride, trials, progress)
