@@ -5,6 +5,7 @@ mod blind;
 mod catalogue;
 mod children;
 mod compare;
+mod design;
 mod diagnose;
 mod diagnose_page;
 mod doctor;
@@ -67,6 +68,10 @@ enum Command {
     League(league::LeagueArgs),
     /// Files of a league's shards, put together
     Merge(league::MergeArgs),
+    /// The schedule of a pair for a bicycle, with a proof that its riders stay up
+    Design(design::DesignArgs),
+    /// A schedule's proof, checked without a solver
+    Certify(design::CertifyArgs),
     /// What each fault of a sensor or of the link does to a ride
     Faults(faults::FaultsArgs),
     /// The figures of Bulsink (2017) beside those of the multibody model
@@ -135,6 +140,8 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Blind(args) => blind::run(&args),
+        Command::Design(args) => design::run(&args),
+        Command::Certify(args) => design::certify(&args),
         Command::Faults(args) => faults::run(&args),
         Command::League(args) => league::run(&args),
         Command::Merge(args) => league::run_merge(&args),

@@ -105,6 +105,7 @@ pub fn run(args: &MapArgs) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let rows = map(&model, &torques_nm, &speeds_m_s, threads, &|rows| {
         bar.set_position((rows * speeds_m_s.len()) as u64);
+        true
     });
     bar.finish_and_clear();
     eprintln!(

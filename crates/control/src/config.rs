@@ -1,9 +1,11 @@
 //! What a stabilizer is told once: profile, bicycle, limits and law.
 
-use core::fmt;
-
+use crate::certificate::Certificate;
 use crate::law::{Law, Mechanism as _, Off};
-use crate::schedule::{POINTS_MAX, Point};
+
+mod error;
+
+pub use error::ConfigError;
 
 /// The version of the law file that this crate reads.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -114,98 +116,10 @@ pub struct Config {
     pub limits: Limits,
     /// The law.
     pub law: Law,
+    /// The tube that the law's schedule has to keep to; none: nothing is proved.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub certificate: Option<Certificate>,
 }
-
-/// Why a configuration is refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ConfigError {
-    /// The file is of another version.
-    SchemaVersion {
-        /// The version that the file states.
-        found: u32,
-    },
-    /// A number is not finite or out of range.
-    OutOfRange {
-        /// Key in the file.
-        key: &'static str,
-        /// The value found.
-        found: f32,
-        /// Smallest admissible value.
-        min: f32,
-        /// Largest admissible value.
-        max: f32,
-    },
-    /// A schedule has too few or too many points.
-    ScheduleLength {
-        /// Number of points found.
-        found: usize,
-    },
-    /// A point of a schedule is not finite or negative.
-    SchedulePoint {
-        /// Its place in the table, from 0.
-        index: usize,
-        /// The point.
-        point: Point,
-    },
-    /// Speeds of a schedule do not rise by at least 1 mm/s.
-    ScheduleOrder {
-        /// Place of the point before it, from 0.
-        index: usize,
-        /// The point that is too slow.
-        point: Point,
-    },
-    /// A schedule does not end in zero on both sides.
-    ScheduleEnd {
-        /// The point.
-        point: Point,
-    },
-}
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::SchemaVersion { found } => {
-                write!(
-                    f,
-                    "schema_version is {found}; this controller reads {SCHEMA_VERSION}"
-                )
-            }
-            Self::OutOfRange {
-                key,
-                found,
-                min,
-                max,
-            } => {
-                write!(f, "{key} is {found}; it has to lie within {min} and {max}")
-            }
-            Self::ScheduleLength { found } => {
-                write!(
-                    f,
-                    "the schedule has {found} points; it has to have 2 to {POINTS_MAX}"
-                )
-            }
-            Self::SchedulePoint { index, point } => write!(
-                f,
-                "point {index} of the schedule is {} m/s, {} Nm; both have to be finite and at least 0",
-                point.speed_m_s, point.pair_nm
-            ),
-            Self::ScheduleOrder { index, point } => write!(
-                f,
-                "the schedule's speeds have to rise by at least 0.001 m/s; {} m/s follows point {index}",
-                point.speed_m_s
-            ),
-            Self::ScheduleEnd { point } => write!(
-                f,
-                "the schedule is {} Nm at its end at {} m/s; it has to begin and end with 0 Nm, \
-                 so that the pair is never toggled",
-                point.pair_nm, point.speed_m_s
-            ),
-        }
-    }
-}
-
-impl core::error::Error for ConfigError {}
 
 /// `Ok` if `found` is finite and within `min` and `max`.
 pub(crate) fn in_range(
@@ -313,6 +227,7 @@ impl Config {
             friction_assumed_ratio: None,
         },
         law: Law::Off(Off {}),
+        certificate: None,
     };
 
     /// The first rule that the configuration breaks, if any. A controller built from a
@@ -325,7 +240,11 @@ impl Config {
         }
         self.bicycle.check()?;
         self.limits.check(self.profile)?;
-        self.law.check(self.profile)
+        self.law.check(self.profile)?;
+        match &self.certificate {
+            Some(certificate) => certificate.check(&self.bicycle, &self.law),
+            None => Ok(()),
+        }
     }
 }
 

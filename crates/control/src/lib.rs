@@ -27,6 +27,7 @@ extern crate std;
 
 pub mod allocation;
 mod bounded;
+pub mod certificate;
 pub mod clock;
 pub mod config;
 pub mod doubt;
@@ -38,6 +39,7 @@ pub mod senses;
 pub mod step;
 pub mod supervisor;
 
+pub use certificate::Certificate;
 pub use config::{Bicycle, Config, ConfigError, Limits, Profile};
 pub use law::Law;
 pub use schedule::{Point, Schedule};

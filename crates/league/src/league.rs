@@ -13,9 +13,9 @@ use twinhub_link::InProcess;
 use twinhub_plant::multibody::Multibody;
 use twinhub_plant::rider::design::Hands;
 use twinhub_plant::rider::published::{Group, Table, rider};
-use twinhub_plant::rider::{Channels, PedalsParameters, RiderFile};
+use twinhub_plant::rider::{Action, Channels, PedalsParameters, Perception, RiderFile};
 use twinhub_sim::bicycle::ResolvedBicycle;
-use twinhub_sim::{Metrics, Ride, Settings, in_process};
+use twinhub_sim::{Metrics, OwnRider, Ride, Settings, in_process};
 use twinhub_types::{ControllerFrame, PlantFrame};
 
 /// What came out of one ride.
@@ -50,6 +50,9 @@ pub struct Part {
 
 /// What answers the frames of a ride.
 pub type Answers<'a> = Box<dyn FnMut(&PlantFrame) -> ControllerFrame + 'a>;
+
+/// What takes a rider's place: perceives, and acts, once a tick of so many seconds.
+pub type Hand<'a> = Box<dyn FnMut(&Perception, f64) -> Action + Send + 'a>;
 
 /// A league that can be run.
 pub struct League {
@@ -117,11 +120,12 @@ impl League {
     /// # Errors
     /// If a ride cannot be ridden.
     pub fn part(&self, part: u64) -> Result<Part, LeagueError> {
-        self.part_by(part, &|_, law| Box::new(in_process(law)))
+        self.part_by(part, &|_, law| Box::new(in_process(law)), None)
     }
 
     /// The same with controllers of the caller's own: `start` is told the controller's name and law,
-    /// and gives what answers a ride's frames.
+    /// and gives what answers a ride's frames. `hand` gives a rider of the caller's own for each ride,
+    /// in place of the population's; the courses stay those of the class.
     ///
     /// # Errors
     /// If a ride cannot be ridden.
@@ -129,6 +133,7 @@ impl League {
         &self,
         part: u64,
         start: &dyn Fn(&str, &Config) -> Answers<'a>,
+        hand: Option<&dyn Fn() -> Hand<'a>>,
     ) -> Result<Part, LeagueError> {
         let classes = self.spec.classes.len() as u64;
         let class = self.spec.classes[(part % classes) as usize];
@@ -140,7 +145,12 @@ impl League {
             self.spec.duration_s,
             &self.spec.bicycle,
         );
-        let riders = self.riders(class, number, &drawn)?;
+        let printed = || rider(Table::SteerTorque, group(number));
+        let riders = match hand {
+            None => self.riders(class, number, &drawn)?,
+            // The file says how the pedals hold the speed; the hand does the rest.
+            Some(_) => vec![printed(); self.spec.controllers.len()],
+        };
         let mut scores = Vec::new();
         for (contestant, rider) in self.spec.controllers.iter().zip(riders) {
             let mut law = contestant.law;
@@ -161,13 +171,13 @@ impl League {
                 git_hash: String::new(),
             };
             let mut port = InProcess::new(start(&contestant.name, &law));
-            let outcome =
-                twinhub_sim::ride(&ride, &settings, &mut port, &mut |_| true).map_err(|source| {
-                    LeagueError::Ride {
-                        part,
-                        controller: contestant.name.clone(),
-                        source,
-                    }
+            let mut own = hand.map(|hand| hand());
+            let own: Option<OwnRider<'_>> = own.as_mut().map(|hand| &mut **hand as OwnRider<'_>);
+            let outcome = twinhub_sim::ride_as(&ride, &settings, &mut port, own, &mut |_| true)
+                .map_err(|source| LeagueError::Ride {
+                    part,
+                    controller: contestant.name.clone(),
+                    source,
                 })?;
             scores.push(Score {
                 controller: contestant.name.clone(),
@@ -175,7 +185,9 @@ impl League {
             });
         }
         let delay_s = match class {
-            Class::Published => rider(Table::SteerTorque, group(number)).rider.linear(4.0)[0].delay_s,
+            Class::Published => printed().rider.linear(4.0)[0].delay_s,
+            // Whatever it does, it does not say how late.
+            _ if hand.is_some() => 0.0,
             _ => class.delays_s()[self.person(class, number, &drawn)?.delay],
         };
         let [from, to] = drawn.speeds_m_s;

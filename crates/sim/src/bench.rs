@@ -27,7 +27,7 @@ pub(crate) struct Acts {
 /// Everything on the plant's side of the link.
 pub(crate) struct Bench<'a> {
     course: Course,
-    pub(crate) plant: Box<dyn PlantModel>,
+    pub(crate) plant: Box<dyn PlantModel + Send>,
     rider: Who<'a>,
     sensors: SensorSuite,
     disturbances: Disturbances,
@@ -41,7 +41,7 @@ pub(crate) struct Bench<'a> {
 }
 
 /// A rider of the caller's own: what is perceived in a tick, and the tick's length, s.
-pub type OwnRider<'a> = &'a mut (dyn FnMut(&Perception, f64) -> Action + 'a);
+pub type OwnRider<'a> = &'a mut (dyn FnMut(&Perception, f64) -> Action + Send + 'a);
 
 /// Who rides.
 enum Who<'a> {

@@ -73,7 +73,7 @@ impl PlantChoice {
         &self,
         bicycle: &ResolvedBicycle,
         speed_m_s: f64,
-    ) -> Result<Box<dyn PlantModel>, SetupError> {
+    ) -> Result<Box<dyn PlantModel + Send>, SetupError> {
         let wrong_kind = || SetupError::Format {
             origin: format!("bicycle `{}`", bicycle.name),
             detail: "its values are of the other plant".into(),

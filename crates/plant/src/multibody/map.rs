@@ -112,13 +112,16 @@ impl Multibody {
 }
 
 /// A map: one row per torque, each with all speeds, on `threads` threads. `progress` is told after
-/// each row how many are done.
+/// each row how many are done, and says whether to go on: if not, rows are missing.
+///
+/// # Panics
+/// If a row does: that is a mistake of the model's.
 pub fn map(
     model: &Multibody,
     torques_nm: &[f64],
     speeds_m_s: &[f64],
     threads: usize,
-    progress: &(dyn Fn(usize) + Sync),
+    progress: &(dyn Fn(usize) -> bool + Sync),
 ) -> Vec<Vec<MapPoint>> {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
@@ -129,14 +132,19 @@ pub fn map(
                 return rows;
             };
             rows.push((k, model.map_row(torque, speeds_m_s)));
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            if !progress(done.fetch_add(1, Ordering::Relaxed) + 1) {
+                return rows;
+            }
         }
     };
     let mut rows: Vec<(usize, Vec<MapPoint>)> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
         handles
             .into_iter()
-            .flat_map(|h| h.join().unwrap_or_default())
+            .flat_map(|h| match h.join() {
+                Ok(rows) => rows,
+                Err(panic) => std::panic::resume_unwind(panic),
+            })
             .collect()
     });
     rows.sort_by_key(|(k, _)| *k);

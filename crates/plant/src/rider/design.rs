@@ -241,8 +241,9 @@ pub fn design(model: &Multibody, goal: &Goal) -> Result<Designed, MultibodyError
     Ok(Designed { hands, stability })
 }
 
-/// Nelder and Mead's simplex: where `f` is small, and how small.
-fn simplex(f: &dyn Fn(&[f64]) -> f64, start: &[f64], size: &[f64]) -> (Vec<f64>, f64) {
+/// Nelder and Mead's simplex: where `f` is small, and how small; the first simplex is `start` with
+/// each coordinate moved by `size` in turn.
+pub fn simplex(f: &dyn Fn(&[f64]) -> f64, start: &[f64], size: &[f64]) -> (Vec<f64>, f64) {
     let n = start.len();
     let mut points: Vec<(Vec<f64>, f64)> = (0..=n)
         .map(|i| {

@@ -95,6 +95,27 @@ impl LateralBicycle {
     pub fn order(&self) -> usize {
         self.a.nrows()
     }
+
+    /// State matrix.
+    pub fn state_matrix(&self) -> &DMatrix<f64> {
+        &self.a
+    }
+
+    /// What a torque on the bar does to the derivative of the state, per Nm.
+    pub fn steer_torque(&self) -> &DVector<f64> {
+        &self.torque[0]
+    }
+
+    /// Rows that give roll, roll rate, steer and steer rate.
+    pub fn perceived(&self) -> [RowDVector<f64>; 4] {
+        let [steer, steer_rate] = &self.angle[0];
+        [
+            self.roll.clone(),
+            self.roll_rate.clone(),
+            steer.clone(),
+            steer_rate.clone(),
+        ]
+    }
 }
 
 fn column(linear: &Linear, terms: &[(&str, f64)]) -> DVector<f64> {

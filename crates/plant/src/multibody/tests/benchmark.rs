@@ -216,7 +216,7 @@ fn a_map_agrees_with_single_points() {
         &[0.0, 40.0, 80.0],
         &[4.0, 5.0, 6.0, 7.0],
         2,
-        &|_| {},
+        &|_| true,
     );
     for row in &rows {
         for point in row {
