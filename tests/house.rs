@@ -30,7 +30,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "twinhub-log",
         ],
     ),
-    ("twinhub-design", &["twinhub-control"]),
+    ("twinhub-design", &["twinhub-control", "twinhub-plant"]),
     (
         "twinhub-league",
         &[

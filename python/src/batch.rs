@@ -86,10 +86,12 @@ fn run(
                 Err(RecvTimeoutError::Timeout)
             );
             let now = done.load(Ordering::Relaxed);
+            // Once it has raised, nothing is told any more.
+            let stopped = stop.load(Ordering::Relaxed);
             let looked = Python::attach(|py| -> PyResult<()> {
                 py.check_signals()?;
                 match progress {
-                    Some(progress) if now > told => {
+                    Some(progress) if now > told && !stopped => {
                         progress.call1(py, (now, rides.len()))?;
                     }
                     _ => {}
@@ -107,7 +109,14 @@ fn run(
                 break;
             }
         }
-        results = work.join().unwrap_or_default();
+        match work.join() {
+            Ok(found) => results = found,
+            Err(panic) => {
+                if let Ok(mut raised) = raised.lock() {
+                    raised.get_or_insert(crate::watched::panicked(&*panic));
+                }
+            }
+        }
     });
     if let Ok(Some(error)) = raised.into_inner() {
         return Err(error);

@@ -202,14 +202,16 @@ impl PythonLaw<'_> {
     pub fn demand(&self, x: &Estimate, dt_s: f32) -> Demand {
         let asked = Python::attach(|py| -> PyResult<(f32, f32)> {
             let found = self.callable.bind(py).call1((numbers(x), dt_s))?;
-            if let Ok(pair) = found.extract::<(f32, f32)>() {
-                return Ok(pair);
+            let pair = found.extract::<(f32, f32)>();
+            let asked = pair.or_else(|_| found.extract::<f32>().map(|pair_nm| (pair_nm, 0.0)));
+            match asked {
+                Ok((pair_nm, trim_nm)) if pair_nm.is_finite() && trim_nm.is_finite() => {
+                    Ok((pair_nm, trim_nm))
+                }
+                _ => Err(errors::input(format!(
+                    "a law gave {found}; accepted: pair_nm, or (pair_nm, trim_nm), as finite floats"
+                ))),
             }
-            found.extract::<f32>().map(|pair_nm| (pair_nm, 0.0)).map_err(|_| {
-                errors::input(format!(
-                    "a law gave {found}; accepted: pair_nm, or (pair_nm, trim_nm), as floats"
-                ))
-            })
         });
         match asked {
             Ok((pair_nm, trim_nm)) => Demand {

@@ -1,34 +1,13 @@
 //! What the model gets wrong about measured rides.
 
 use crate::errors;
+use crate::watched::watched;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use twinhub_diagnose::data::{DataFolders, RideData, read_ride};
 use twinhub_diagnose::search::experiment::experiment as what_rides_show;
 use twinhub_diagnose::search::{Options, diagnose_in};
 use twinhub_diagnose::study::Study;
-
-/// Tells `progress` where the work is, and hears what it or a signal raises.
-struct Teller<'a> {
-    progress: Option<&'a Py<PyAny>>,
-    raised: Option<PyErr>,
-}
-
-impl Teller<'_> {
-    fn tell(&mut self, text: &str) {
-        if self.raised.is_some() {
-            return;
-        }
-        let told = Python::attach(|py| -> PyResult<()> {
-            py.check_signals()?;
-            if let Some(progress) = self.progress {
-                progress.call1(py, (text,))?;
-            }
-            Ok(())
-        });
-        self.raised = told.err();
-    }
-}
 
 /// The answer as JSON, and the extended plant as TOML if there is one.
 #[pyfunction]
@@ -42,19 +21,12 @@ pub fn diagnose(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Option<String>)> {
     let study = Study::read(study, &assignments).map_err(errors::input)?;
-    let folders = DataFolders::new(&study, data.as_deref());
-    let options = Options { without, only };
-    let mut teller = Teller {
-        progress: progress.as_ref(),
-        raised: None,
-    };
-    let found = py.detach(|| {
+    let found = watched(py, progress.as_ref(), move |teller| {
+        let folders = DataFolders::new(&study, data.as_deref());
+        let options = Options { without, only };
         diagnose_in(&study, &folders, &options, &mut |text| teller.tell(text))
             .map_err(|e| e.to_string())
-    });
-    if let Some(error) = teller.raised {
-        return Err(error);
-    }
+    })?;
     let answer = found.map_err(errors::input)?;
     let plant = answer.plant.as_ref().map(|plant| plant.to_toml());
     let text = serde_json::to_string(&answer).map_err(errors::input)?;
@@ -71,21 +43,17 @@ pub fn experiment(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let study = Study::read(study, &assignments).map_err(errors::input)?;
-    let folders = DataFolders::new(&study, data.as_deref());
-    let mut teller = Teller {
-        progress: progress.as_ref(),
-        raised: None,
-    };
-    let found = py.detach(|| {
+    let found = watched(py, progress.as_ref(), move |teller| {
+        let folders = DataFolders::new(&study, data.as_deref());
         let rides: Vec<RideData> = study
             .rides
             .iter()
-            .map(|ride| read_ride(ride, &folders).map_err(|e| e.to_string()))
+            .map(|ride| {
+                teller.tell(&format!("reading {}", ride.file));
+                read_ride(ride, &folders).map_err(|e| e.to_string())
+            })
             .collect::<Result<_, _>>()?;
         what_rides_show(&study, &rides, &mut |text| teller.tell(text)).map_err(|e| e.to_string())
-    });
-    if let Some(error) = teller.raised {
-        return Err(error);
-    }
+    })?;
     serde_json::to_string(&found.map_err(errors::input)?).map_err(errors::input)
 }

@@ -4,8 +4,13 @@ use crate::controller::PythonLaw;
 use crate::errors;
 use pyo3::prelude::*;
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use twinhub_control::{Controller, Profile};
+use twinhub_control::{Config, Controller, Profile};
+use crate::ride::PythonRider;
+use twinhub_league::league::{Answers, Hand};
+use twinhub_plant::rider::Perception;
 use twinhub_league::{Class, League, LeagueError, Part, Spec, frontier, harm, table};
 use twinhub_sim::in_process;
 use twinhub_types::PlantFrame;
@@ -96,15 +101,43 @@ fn ready(spec: &str) -> PyResult<Arc<League>> {
     Ok(league)
 }
 
-/// Part number `part`, JSON. `laws` are the controllers that are written in Python, by name.
+/// Tells the parts of a league that run in this process to end.
+#[pyclass(name = "_Stop", module = "twinhub._twinhub", frozen)]
+#[derive(Default)]
+pub struct Stop {
+    set: AtomicBool,
+}
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Parts end with their next tick.
+    fn set(&self) {
+        self.set.store(true, Ordering::Relaxed);
+    }
+}
+
+/// What a part that is to end unwinds with.
+struct Ended;
+
+/// Part number `part`, JSON. `laws` are the controllers that are written in Python, by name; `rider` gives
+/// a rider written in Python for each ride. What these raise ends the part with that tick; so does `stop`.
 #[pyfunction]
 pub fn league_part(
     py: Python<'_>,
     spec: &str,
     part: u64,
     laws: HashMap<String, Py<PyAny>>,
+    stop: Option<&Bound<'_, Stop>>,
+    rider: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let raised: Mutex<Option<PyErr>> = Mutex::new(None);
+    let stop: Option<&Stop> = stop.map(Bound::get);
+    let stopped = || stop.is_some_and(|stop| stop.set.load(Ordering::Relaxed));
     let found = py.detach(|| -> PyResult<Part> {
         let league = ready(spec)?;
         let parts = league.spec().parts();
@@ -114,9 +147,41 @@ pub fn league_part(
                 parts - 1
             )));
         }
-        let found = league.part_by(part, &|name, config| match laws.get(name) {
-            None => Box::new(in_process(config)),
-            Some(start) => {
+        let go_on = || {
+            if stopped() || raised.lock().is_ok_and(|raised| raised.is_some()) {
+                resume_unwind(Box::new(Ended));
+            }
+        };
+        let hand = || -> Hand<'_> {
+            let started = rider.as_ref().map(|start| Python::attach(|py| start.call0(py)));
+            let callable = match started {
+                Some(Ok(callable)) => callable,
+                Some(Err(error)) => {
+                    if let Ok(mut raised) = raised.lock() {
+                        raised.get_or_insert(error);
+                    }
+                    resume_unwind(Box::new(Ended));
+                }
+                None => resume_unwind(Box::new(Ended)),
+            };
+            let raised = &raised;
+            Box::new(move |perception: &Perception, step_s: f64| {
+                let rider = PythonRider {
+                    callable: &callable,
+                    raised,
+                };
+                rider.act(perception, step_s)
+            })
+        };
+        let answers = |name: &str, config: &Config| -> Answers<'_> {
+            let Some(start) = laws.get(name) else {
+                let mut answer = in_process(config);
+                return Box::new(move |frame: &PlantFrame| {
+                    go_on();
+                    answer(frame)
+                });
+            };
+            {
                 // A law may remember: every ride gets one of its own.
                 let law = Python::attach(|py| start.call0(py));
                 let callable = match law {
@@ -135,11 +200,24 @@ pub fn league_part(
                         callable: &callable,
                         raised,
                     };
-                    controller.answer_by(&mut |_, x, dt_s| law.demand(x, dt_s), frame)
+                    let answer = controller.answer_by(&mut |_, x, dt_s| law.demand(x, dt_s), frame);
+                    go_on();
+                    answer
                 })
             }
-        });
-        found.map_err(refused)
+        };
+        // Nothing of a part outlives it but the practised gains, which are whole or not there.
+        let run = || match rider {
+            Some(_) => league.part_by(part, &answers, Some(&hand)),
+            None => league.part_by(part, &answers, None),
+        };
+        match catch_unwind(AssertUnwindSafe(run)) {
+            Ok(found) => found.map_err(refused),
+            Err(panic) if panic.is::<Ended>() => Err(errors::python::RideError::new_err(
+                "the league was stopped",
+            )),
+            Err(panic) => Err(crate::watched::panicked(&*panic)),
+        }
     });
     if let Ok(Some(error)) = raised.into_inner() {
         return Err(error);

@@ -17,6 +17,7 @@ mod pictures;
 mod ride;
 mod stepper;
 mod things;
+mod watched;
 
 /// Compiled part of `twinhub`.
 #[pyo3::pymodule]
@@ -30,7 +31,7 @@ mod _twinhub {
     #[pymodule_export]
     use crate::diagnose::{diagnose, experiment};
     #[pymodule_export]
-    use crate::league::{league_part, league_spec, league_table};
+    use crate::league::{Stop, league_part, league_spec, league_table};
     #[pymodule_export]
     use crate::linear::{gradients, linearise};
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! Stability over speed and motor torque.
 
 use crate::errors;
+use crate::watched::watched;
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -20,8 +21,10 @@ pub fn stability_map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let parameters = bicycles::load_multibody(bicycle, &assignments).map_err(errors::input)?;
     let model = Multibody::new(&parameters).map_err(errors::input)?;
-    let rows = py.detach(|| map(&model, &torques_nm, &speeds_m_s, workers, &|_| {}));
-    py.check_signals()?;
+    let (torques, speeds) = (torques_nm.clone(), speeds_m_s.clone());
+    let rows = watched(py, None, move |teller| {
+        map(&model, &torques, &speeds, workers, &|_| teller.go_on())
+    })?;
     let grid = |growth: fn(&MapPoint) -> Option<f64>| -> Grid {
         rows.iter()
             .map(|row| row.iter().map(growth).collect())

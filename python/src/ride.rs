@@ -167,13 +167,14 @@ fn ride_and_read(ride: &Ride, path: &Path, own: &Own) -> Result<(Outcome, LogFil
 }
 
 /// A rider written in Python: what is perceived in, steer torque (and pedal force) out.
-struct PythonRider<'a> {
-    callable: &'a Py<PyAny>,
-    raised: &'a Mutex<Option<PyErr>>,
+pub struct PythonRider<'a> {
+    pub callable: &'a Py<PyAny>,
+    pub raised: &'a Mutex<Option<PyErr>>,
 }
 
 impl PythonRider<'_> {
-    fn act(&self, p: &Perception, step_s: f64) -> Action {
+    /// What it does; nothing once it has raised.
+    pub fn act(&self, p: &Perception, step_s: f64) -> Action {
         let asked = Python::attach(|py| -> PyResult<(f64, f64)> {
             let perceived = (
                 p.roll_rad,

@@ -4,12 +4,22 @@ use crate::controller::{health, limits, numbers};
 use crate::{errors, ride};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::{Mutex, MutexGuard};
 use twinhub_sim::{Ride, Stepped, Stepper};
 
 /// A ride, some ticks at a time.
-#[pyclass(name = "_Stepper", module = "twinhub._twinhub", unsendable)]
+#[pyclass(name = "_Stepper", module = "twinhub._twinhub")]
 pub struct PyStepper {
-    stepper: Stepper,
+    stepper: Mutex<Stepper>,
+}
+
+impl PyStepper {
+    fn stepper(&self) -> MutexGuard<'_, Stepper> {
+        match self.stepper.lock() {
+            Ok(guard) => guard,
+            Err(poisoned) => poisoned.into_inner(),
+        }
+    }
 }
 
 #[pymethods]
@@ -20,22 +30,23 @@ impl PyStepper {
             .map_err(errors::setup)?
             .with_stabilizer(stabilizer);
         Ok(Self {
-            stepper: Stepper::new(&ride).map_err(errors::setup)?,
+            stepper: Mutex::new(Stepper::new(&ride).map_err(errors::setup)?),
         })
     }
 
     /// Goes on by `ticks` under a pair of `pair_nm`, or the law's if it is None. Gives the last tick,
     /// and sums over the ticks: rider's torque squared, roll squared, energy, ticks ridden.
     fn step<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         ticks: u32,
         pair_nm: Option<f32>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let mut stepper = self.stepper();
         let mut last: Option<Stepped> = None;
         let (mut effort, mut roll, mut energy_j, mut ridden) = (0.0, 0.0, 0.0, 0u32);
         for _ in 0..ticks {
-            let Some(now) = self.stepper.step(pair_nm) else {
+            let Some(now) = stepper.step(pair_nm) else {
                 break;
             };
             effort += now.rider.steer_torque_nm * now.rider.steer_torque_nm;
@@ -49,9 +60,9 @@ impl PyStepper {
         answer.set_item("effort_nm2", effort)?;
         answer.set_item("roll_rad2", roll)?;
         answer.set_item("energy_j", energy_j)?;
-        answer.set_item("fell", self.stepper.fell())?;
-        answer.set_item("finished", self.stepper.finished())?;
-        answer.set_item("t_s", self.stepper.time_s())?;
+        answer.set_item("fell", stepper.fell())?;
+        answer.set_item("finished", stepper.finished())?;
+        answer.set_item("t_s", stepper.time_s())?;
         if let Some(last) = last {
             let command = last.output.command;
             answer.set_item("estimate", numbers(&last.output.estimate))?;
@@ -68,6 +79,6 @@ impl PyStepper {
 
     /// The numbers of the ride so far.
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        ride::numbers(py, &self.stepper.metrics())
+        ride::numbers(py, &self.stepper().metrics())
     }
 }

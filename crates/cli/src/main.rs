@@ -3,6 +3,7 @@
 mod bicycle;
 mod blind;
 mod catalogue;
+mod certify;
 mod children;
 mod compare;
 mod design;
@@ -71,7 +72,7 @@ enum Command {
     /// The schedule of a pair for a bicycle, with a proof that its riders stay up
     Design(design::DesignArgs),
     /// A schedule's proof, checked without a solver
-    Certify(design::CertifyArgs),
+    Certify(certify::CertifyArgs),
     /// What each fault of a sensor or of the link does to a ride
     Faults(faults::FaultsArgs),
     /// The figures of Bulsink (2017) beside those of the multibody model
@@ -141,7 +142,7 @@ fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Experiment(args) => experiment::run(&args),
         Command::Blind(args) => blind::run(&args),
         Command::Design(args) => design::run(&args),
-        Command::Certify(args) => design::certify(&args),
+        Command::Certify(args) => certify::run(&args),
         Command::Faults(args) => faults::run(&args),
         Command::League(args) => league::run(&args),
         Command::Merge(args) => league::run_merge(&args),

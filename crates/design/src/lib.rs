@@ -18,6 +18,7 @@ pub mod oracle;
 pub mod plan;
 pub mod proof;
 pub mod schedule;
+pub mod start;
 pub mod stops;
 
 pub use certificate::{Certificate, Plan};

@@ -4,11 +4,12 @@
 
 use crate::DesignError;
 use crate::certificate::{Node, Piece, Plan, Point};
-use crate::cone::{Climbed, climb_until, from_scratch};
+use crate::cone::{Climbed, climb_until};
 use crate::family::{FactorBox, Family};
 use crate::gains::gains;
 use crate::loops::{Gains, Loop, Rider, growth_per_s};
 use crate::proof::{At, Bicycles, cell, loops};
+use crate::start::from_scratch;
 use nalgebra::DMatrix;
 
 /// Margin at which a climb from nothing ends, 1/s: what the next nodes live on.

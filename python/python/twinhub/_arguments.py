@@ -31,8 +31,13 @@ def name_or_path(argument: str, value: NameOrPath) -> str:
 
 def finite(argument: str, value: float) -> float:
     """A finite number."""
-    if isinstance(value, Real) and not isinstance(value, bool | np.bool_) and np.isfinite(float(value)):
-        return float(value)
+    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
+        try:
+            found = float(value)
+        except OverflowError:
+            found = float("inf")
+        if np.isfinite(found):
+            return found
     raise InputError(f"{argument}={value!r}: accepted: a finite number")
 
 
@@ -41,6 +46,15 @@ def switch(argument: str, value: bool) -> bool:
     if isinstance(value, bool | np.bool_):
         return bool(value)
     raise InputError(f"{argument}={value!r}: accepted: True or False")
+
+
+def workers_of(value: int | None) -> int:
+    """A number of threads; that of the cores for None."""
+    if value is None:
+        return os.cpu_count() or 1
+    if isinstance(value, Integral) and not isinstance(value, bool) and 1 <= value <= 1024:
+        return int(value)
+    raise InputError(f"workers={value!r}: accepted: 1 to 1024")
 
 
 def seed_text(value: int) -> str:

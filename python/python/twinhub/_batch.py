@@ -1,15 +1,14 @@
 """Many rides at once."""
 
 from collections.abc import Callable, Iterable, Mapping
-from numbers import Integral
 from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, seed_text, switch
-from ._things import Course, of
+from ._arguments import Assignments, NameOrPath, assignments, seed_text, switch, workers_of
+from ._things import Bicycle, Course, Law, Motors, Rider, Road, Sensors, Wind, of, placed
 from .errors import InputError, UnknownNameError
 
 
@@ -46,6 +45,13 @@ def batch(
     vary: Iterable[Mapping[str, object]] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], object] | None = None,
+    law: Law | NameOrPath | None = None,
+    rider: Rider | NameOrPath | None = None,
+    bicycle: Bicycle | NameOrPath | None = None,
+    motors: Motors | NameOrPath | None = None,
+    sensors: Sensors | NameOrPath | None = None,
+    road: Road | NameOrPath | None = None,
+    wind: Wind | NameOrPath | None = None,
 ) -> Batch:
     """Ride many rides, on all cores.
 
@@ -65,6 +71,20 @@ def batch(
         Number of threads; all cores if not given. Results do not depend on it.
     progress : callable, optional
         Called now and then with the number of rides done and of all.
+    law : Law, str or os.PathLike, optional
+        A law in place of the course's; one written in Python rides with `ride`.
+    rider : Rider, str or os.PathLike, optional
+        A rider in place of the course's; one written in Python rides with `ride`.
+    bicycle : Bicycle, str or os.PathLike, optional
+        A multibody bicycle in place of the course's.
+    motors : Motors, str or os.PathLike, optional
+        Motors and battery in place of the course's.
+    sensors : Sensors, str or os.PathLike, optional
+        Sensors in place of the course's.
+    road : Road, str or os.PathLike, optional
+        A road in place of the course's.
+    wind : Wind, str or os.PathLike, optional
+        A wind in place of the course's.
 
     Returns
     -------
@@ -86,16 +106,27 @@ def batch(
     (3,)
     """
     name, changes = of("course", course)
-    on, common = switch("stabilizer", stabilizer), [*changes, *assignments(set)]
-    if workers is not None and not (
-        isinstance(workers, Integral) and not isinstance(workers, bool) and 1 <= workers <= 1024
-    ):
-        raise InputError(f"workers={workers!r}: accepted: 1 to 1024")
+    things = (
+        ("law", law),
+        ("rider", rider),
+        ("bicycle", bicycle),
+        ("motors", motors),
+        ("sensors", sensors),
+        ("road", road),
+        ("wind", wind),
+    )
+    places = [text for kind, thing in things for text in placed(kind, thing)]
+    on, common = switch("stabilizer", stabilizer), [*changes, *places, *assignments(set)]
+    threads = workers_of(workers)
+    if seeds is not None and not isinstance(seeds, Iterable):
+        raise InputError(f"seeds={seeds!r}: accepted: several seeds, as range(10)")
+    if vary is not None and (isinstance(vary, Mapping) or not isinstance(vary, Iterable)):
+        raise InputError(f"vary={vary!r}: accepted: a list of mappings, one for each set of rides")
     chosen = None if seeds is None else list(seeds)
     seed_texts: list[list[str]] = [[]] if chosen is None else [[seed_text(seed)] for seed in chosen]
     sets: list[list[str]] = [[]] if vary is None else [assignments(values) for values in vary]
     wanted = [(name, on, common + extra + seed) for extra in sets for seed in seed_texts]
-    answer = Batch(_twinhub.batch(wanted, None if workers is None else int(workers), progress))
+    answer = Batch(_twinhub.batch(wanted, threads, progress))
     if chosen is not None:
         answer["seed"] = np.array(chosen * len(sets), dtype=np.int64)
     return answer

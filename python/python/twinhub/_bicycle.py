@@ -1,7 +1,8 @@
 """Bicycles and their parameters."""
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, name_or_path
+from ._arguments import Assignments, NameOrPath, assignments
+from ._things import Bicycle, of
 
 
 def bicycles() -> list[str]:
@@ -21,7 +22,7 @@ def bicycles() -> list[str]:
     return _twinhub.bicycles()
 
 
-def parameters(bicycle: NameOrPath, set: Assignments | None = None) -> dict[str, float]:
+def parameters(bicycle: NameOrPath | Bicycle, set: Assignments | None = None) -> dict[str, float]:
     """Parameters of the benchmark (Whipple-Carvallo) bicycle.
 
     Parameters
@@ -49,7 +50,8 @@ def parameters(bicycle: NameOrPath, set: Assignments | None = None) -> dict[str,
     >>> twinhub.parameters("meijaard2007_benchmark")["w"]
     1.02
     """
-    return _twinhub.parameters(name_or_path("bicycle", bicycle), assignments(set))
+    name, changes = of("bicycle", bicycle)
+    return _twinhub.parameters(name, [*changes, *assignments(set)])
 
 
 def parameter_units() -> dict[str, str]:

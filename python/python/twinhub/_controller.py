@@ -8,8 +8,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, name_or_path
+from ._arguments import Assignments, NameOrPath, assignments
 from ._log import Columns, Log
+from ._things import Law, of
 from .errors import InputError
 
 #: Stamp of a sample that was never taken, ns.
@@ -238,7 +239,7 @@ class Controller:
 
     Parameters
     ----------
-    law : str or os.PathLike
+    law : Law, str or os.PathLike
         A law that ships (see `laws`), or a law ``.toml``.
     set : mapping or list of str, optional
         Values to change, by their path in the law file: ``{"limits.torque_max_nm": 30.0}``.
@@ -256,8 +257,9 @@ class Controller:
     0.0
     """
 
-    def __init__(self, law: NameOrPath = "scheduled", set: Assignments | None = None) -> None:
-        self._inner = _twinhub._Controller(name_or_path("law", law), assignments(set))
+    def __init__(self, law: NameOrPath | Law = "scheduled", set: Assignments | None = None) -> None:
+        name, changes = of("law", law)
+        self._inner = _twinhub._Controller(name, [*changes, *assignments(set)])
 
     @classmethod
     def of(cls, log: Log) -> "Controller":

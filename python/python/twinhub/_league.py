@@ -4,19 +4,26 @@ import json
 import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from numbers import Integral
+from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
 from . import _html, _twinhub
 from ._arguments import NameOrPath, finite, name_or_path
 from ._controller import Estimate, LawFunction
+from ._ride import Perception, RiderFunction, _action
+from ._things import Law
 from .errors import InputError
 
 #: Makes a law for each ride: a class, or a function without arguments. To be sent to other processes
 #: it has to be one that pickle knows: defined at the top of a module.
 LawFactory: TypeAlias = Callable[[], LawFunction]
 
+#: Makes a rider for each ride; as `LawFactory`.
+RiderFactory: TypeAlias = Callable[[], RiderFunction]
+
 #: What competes: laws by name or file; or a mapping from name to law, file, or `LawFactory`.
-Controllers: TypeAlias = Iterable[NameOrPath] | Mapping[str, NameOrPath | LawFactory]
+Controllers: TypeAlias = Iterable[NameOrPath] | Mapping[str, NameOrPath | Law | LawFactory]
 
 _CLASSES = ("young", "older", "young_roll", "older_roll", "young_firm", "older_firm", "published")
 #: The law file whose limits hold for a law written in Python.
@@ -34,9 +41,28 @@ class _Start:
         return lambda x, dt_s: law(Estimate(*x), dt_s)
 
 
-def _part(spec: str, number: int, factories: dict[str, LawFactory]) -> str:
+class _StartRider:
+    """A rider for a ride, told of what is perceived by its names."""
+
+    def __init__(self, factory: RiderFactory) -> None:
+        self.factory = factory
+
+    def __call__(self) -> Callable[[tuple[float, ...], float], tuple[float, float]]:
+        rider = self.factory()
+        return lambda x, step_s: _action(rider, Perception(*x), step_s)
+
+
+def _part(
+    spec: str,
+    number: int,
+    factories: dict[str, LawFactory],
+    rider: RiderFactory | None,
+    stop: _twinhub._Stop | None = None,
+) -> str:
     """One part of a league; runs in any process that has twinhub."""
-    return _twinhub.league_part(spec, number, {name: _Start(f) for name, f in factories.items()})
+    laws: dict[str, Callable[[], Callable[[tuple[float, ...], float], object]]]
+    laws = {name: _Start(f) for name, f in factories.items()}
+    return _twinhub.league_part(spec, number, laws, stop, None if rider is None else _StartRider(rider))
 
 
 class League:
@@ -103,6 +129,7 @@ def league(
     executor: Executor | None = None,
     shard: tuple[int, int] | None = None,
     progress: Callable[[int, int], object] | None = None,
+    rider: RiderFactory | None = None,
 ) -> League:
     """Let controllers compete on the same riders and courses.
 
@@ -116,7 +143,7 @@ def league(
     seed : int
         Seed of riders, courses and noise.
     controllers : list or mapping, optional
-        Names of laws that ship or law files; or a mapping from name to law, file, or a class (or
+        Names of laws that ship or law files; or a mapping from name to law, file, `Law`, or a class (or
         function without arguments) that gives a law written in Python: a callable that takes an
         `Estimate` and the time since the last tick, s, and gives the pair, Nm, or the pair and the
         rear trim. Limits of the law file ``constant`` hold for it.
@@ -134,6 +161,9 @@ def league(
         ``(i, n)``: only every n-th part, from the i-th, counted from 1.
     progress : callable, optional
         Called with the number of parts done and of all.
+    rider : class or callable, optional
+        Gives a rider written in Python for every ride, in place of the population's: a callable as
+        `ride` takes it. The courses stay those of the classes.
 
     Returns
     -------
@@ -146,7 +176,7 @@ def league(
     RideError
         If a ride could not go on.
     """
-    named: dict[str, NameOrPath | LawFactory]
+    named: dict[str, NameOrPath | Law | LawFactory]
     if controllers is None:
         named = {name: name for name in ("constant_80_nm", "constant", "scheduled", "scheduled_20_nm")}
     elif isinstance(controllers, Mapping):
@@ -159,36 +189,43 @@ def league(
                 raise InputError(f"controllers: {stem!r} is named twice; accepted: every controller once")
             named[stem] = c
     factories: dict[str, LawFactory] = {}
-    files: list[tuple[str, str]] = []
-    for name, what in named.items():
-        if name == "off" and what != "off":
-            raise InputError(
-                "controllers: 'off' is what all are measured against; accepted: another name for this one"
-            )
-        if isinstance(what, str | os.PathLike):
-            files.append((name, name_or_path("controllers", what)))
-        elif callable(what):
-            factories[name] = what
-            files.append((name, _BASE))
-        else:
-            raise InputError(f"controllers[{name!r}]={what!r}: accepted: a law, a file, or what makes a law")
-    spec = _twinhub.league_spec(
-        _whole("seed", seed, 0),
-        _whole("riders", riders, 1),
-        list(classes),
-        finite("duration_s", duration_s),
-        files,
-        profile,
-    )
-    count = len(json.loads(spec)["classes"]) * riders
-    first, step = (1, 1) if shard is None else shard
-    if not 1 <= first <= step:
-        raise InputError(f"shard={shard!r}: accepted: (i, n) with i from 1 to n")
+    if rider is not None and not callable(rider):
+        raise InputError(f"rider={rider!r}: accepted: what makes a rider, as a class of yours")
+    with TemporaryDirectory(prefix="twinhub-") as written:
+        files: list[tuple[str, str]] = []
+        for name, what in named.items():
+            if name == "off" and what != "off":
+                raise InputError(
+                    "controllers: 'off' is what all are measured against; accepted: another name for this one"
+                )
+            if isinstance(what, str | os.PathLike):
+                files.append((name, name_or_path("controllers", what)))
+            elif isinstance(what, Law):
+                files.append((name, str(what.save(os.path.join(written, f"{len(files)}.toml")))))
+            elif callable(what):
+                factories[name] = what
+                files.append((name, _BASE))
+            else:
+                raise InputError(f"controllers[{name!r}]={what!r}: accepted: a law, a file, or what makes a law")
+        spec = _twinhub.league_spec(
+            _whole("seed", seed, 0),
+            _whole("riders", riders, 1),
+            _names("classes", classes),
+            finite("duration_s", duration_s),
+            files,
+            profile,
+        )
+    count = len(json.loads(spec)["classes"]) * int(riders)
+    first, step = _shard(shard)
     numbers = range(first - 1, count, step)
     if executor is not None:
-        return League(spec, _run(executor, spec, numbers, factories, progress))
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
-        return League(spec, _run(threads, spec, numbers, factories, progress))
+        return League(spec, _run(executor, spec, numbers, factories, rider, progress, None))
+    threads = ThreadPoolExecutor(os.cpu_count())
+    try:
+        return League(spec, _run(threads, spec, numbers, factories, rider, progress, _twinhub._Stop()))
+    finally:
+        # After Ctrl-C nobody waits: what runs ends by itself.
+        threads.shutdown(wait=False, cancel_futures=True)
 
 
 def merge_leagues(leagues: Iterable[League]) -> League:
@@ -222,9 +259,12 @@ def _run(
     spec: str,
     numbers: range,
     factories: dict[str, LawFactory],
+    rider: RiderFactory | None,
     progress: Callable[[int, int], object] | None,
+    stop: _twinhub._Stop | None,
 ) -> list[str]:
-    futures: list[Future[str]] = [executor.submit(_part, spec, number, factories) for number in numbers]
+    rest = () if stop is None else (stop,)
+    futures: list[Future[str]] = [executor.submit(_part, spec, number, factories, rider, *rest) for number in numbers]
     try:
         done = 0
         waiting = set(futures)
@@ -237,13 +277,34 @@ def _run(
                 progress(done, len(futures))
         return [future.result() for future in futures]
     except BaseException:
-        # Ctrl-C or a failure: what has not begun does not begin.
+        # Ctrl-C or a failure: what has not begun does not begin, what runs here ends.
+        if stop is not None:
+            stop.set()
         for future in futures:
             future.cancel()
         raise
 
 
+def _names(argument: str, names: Iterable[str]) -> list[str]:
+    # A text is an iterable of texts, too.
+    listed = [] if isinstance(names, str) or not isinstance(names, Iterable) else list(names)
+    if not listed or not all(isinstance(name, str) for name in listed):
+        raise InputError(f"{argument}={names!r}: accepted: a list of names, as {list(_CLASSES[:2])}")
+    return listed
+
+
+def _shard(shard: tuple[int, int] | None) -> tuple[int, int]:
+    if shard is None:
+        return 1, 1
+    if isinstance(shard, tuple | list) and len(shard) == 2:
+        first, step = shard
+        whole = all(isinstance(n, Integral) and not isinstance(n, bool) for n in shard)
+        if whole and 1 <= first <= step:
+            return int(first), int(step)
+    raise InputError(f"shard={shard!r}: accepted: (i, n) with i from 1 to n")
+
+
 def _whole(argument: str, value: int, least: int) -> int:
-    if isinstance(value, int) and not isinstance(value, bool) and least <= value < 2**63:
-        return value
+    if isinstance(value, Integral) and not isinstance(value, bool) and least <= value < 2**63:
+        return int(value)
     raise InputError(f"{argument}={value!r}: accepted: an integer, {least} or more")

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, finite, name_or_path
+from ._arguments import Assignments, NameOrPath, assignments, finite
+from ._things import Bicycle, of
 from .errors import InputError, UnknownNameError
 
 
@@ -106,7 +107,7 @@ class Gradients:
 
 
 def linearise(
-    bicycle: NameOrPath = "meijaard2007_benchmark",
+    bicycle: NameOrPath | Bicycle = "meijaard2007_benchmark",
     speed_m_s: float = 5.0,
     torque_nm: float = 0.0,
     set: Assignments | None = None,
@@ -115,7 +116,7 @@ def linearise(
 
     Parameters
     ----------
-    bicycle : str or os.PathLike
+    bicycle : Bicycle, str or os.PathLike
         As for `parameters`, or a multibody bicycle (``twinhub list bicycles``), or its file.
     speed_m_s : float
         Speed, 0 to 1000 m/s; a bicycle on tyres needs one above 0.
@@ -139,8 +140,9 @@ def linearise(
     >>> twinhub.linearise(speed_m_s=5.0).states
     ('roll_rad', 'steer_rad', 'roll_rate_rad_s', 'steer_rate_rad_s')
     """
-    name, speed, torque = name_or_path("bicycle", bicycle), _speed(speed_m_s), finite("torque_nm", torque_nm)
-    answer = _twinhub.linearise(name, speed, torque, assignments(set))
+    name, changes = of("bicycle", bicycle)
+    speed, torque = _speed(speed_m_s), finite("torque_nm", torque_nm)
+    answer = _twinhub.linearise(name, speed, torque, [*changes, *assignments(set)])
     return Linear(
         name,
         speed,
@@ -157,7 +159,7 @@ def linearise(
 
 
 def gradients(
-    bicycle: NameOrPath = "bulsink2017_bicycle1_full",
+    bicycle: NameOrPath | Bicycle = "bulsink2017_bicycle1_full",
     mode: str = "weave",
     speed_m_s: float = 5.0,
     torque_nm: float = 0.0,
@@ -167,7 +169,7 @@ def gradients(
 
     Parameters
     ----------
-    bicycle : str or os.PathLike
+    bicycle : Bicycle, str or os.PathLike
         A bicycle, as for `linearise`; a benchmark bicycle is taken as the multibody bicycle that it
         is.
     mode : str
@@ -189,12 +191,13 @@ def gradients(
     InputError
         If an argument is wrong, or there is no such mode.
     """
+    name, changes = of("bicycle", bicycle)
     answer = _twinhub.gradients(
-        name_or_path("bicycle", bicycle),
+        name,
         _speed(speed_m_s),
         finite("torque_nm", torque_nm),
-        name_or_path("mode", mode),
-        assignments(set),
+        _mode(mode),
+        [*changes, *assignments(set)],
     )
     found = answer["parameters"]
     return Gradients(
@@ -204,6 +207,12 @@ def gradients(
         {path: value for path, (value, _) in found.items()},
         {path: complex(*per_unit) for path, (_, per_unit) in found.items()},
     )
+
+
+def _mode(mode: str) -> str:
+    if isinstance(mode, str):
+        return mode
+    raise InputError(f"mode={mode!r}: accepted: a name, as 'weave'")
 
 
 def _speed(value: float) -> float:

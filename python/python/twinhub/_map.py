@@ -1,18 +1,20 @@
 """Stability over speed and motor torque."""
 
-import os
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, name_or_path, speeds
+from ._arguments import Assignments, NameOrPath, assignments, speeds, workers_of
+from ._plot import axes
+from ._things import Bicycle, of
 from .errors import InputError
 
 #: Below, slip means nothing.
-_SLOWEST_M_S = 0.3
-_MOST_POINTS = 1_000_000
+_SLOWEST_M_S = 0.05
+_MOST_POINTS = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +55,44 @@ class StabilityMap:
         m, n = self.growth_1_s.shape
         return f"StabilityMap({self.bicycle!r}, {m} torques, {n} speeds, {self.stable.mean():.0%} stable)"
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw growth over speed and torque, and the border of stability, with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not there (``pip install 'twinhub[plot]'``).
+        """
+        ax = axes(ax)
+        most = float(np.nanmax(np.abs(self.growth_1_s), initial=1e-9))
+        mesh = ax.pcolormesh(
+            self.speeds_m_s, self.torques_nm, self.growth_1_s, cmap="RdBu_r", vmin=-most, vmax=most, shading="nearest"
+        )
+        if min(self.growth_1_s.shape) > 1:
+            ax.contour(self.speeds_m_s, self.torques_nm, self.growth_1_s, levels=[0.0], colors="k")
+        ax.figure.colorbar(mesh, ax=ax, label="growth, 1/s")
+        ax.set(xlabel="speed, m/s", ylabel="torque of the pair, Nm", title=self.bicycle)
+        return ax
+
     def _repr_html_(self) -> str:
         return self.svg
 
 
 def stability_map(
-    bicycle: NameOrPath = "bulsink2017_bicycle1_full",
+    bicycle: NameOrPath | Bicycle = "bulsink2017_bicycle1_full",
     speeds_m_s: npt.ArrayLike | None = None,
     torques_nm: npt.ArrayLike | None = None,
     set: Assignments | None = None,
+    workers: int | None = None,
 ) -> StabilityMap:
     """Where a bicycle is stable by itself, over speed and motor torque.
 
@@ -69,14 +100,16 @@ def stability_map(
 
     Parameters
     ----------
-    bicycle : str or os.PathLike
+    bicycle : Bicycle, str or os.PathLike
         A bicycle, as for `linearise`.
     speeds_m_s : array_like, shape (n,), optional
-        Speeds, 0.3 to 1000 m/s, rising; 1 to 10 m/s in steps of 0.25 if not given.
+        Speeds, 0.05 to 1000 m/s, rising; 1 to 10 m/s in steps of 0.25 if not given.
     torques_nm : array_like, shape (m,), optional
         Pairs of motor torques, Nm, 0 or more, rising; 0 to 100 Nm in steps of 5 if not given.
     set : mapping or list of str, optional
         Parameters to change.
+    workers : int, optional
+        Number of threads; all cores if not given. Results do not depend on it.
 
     Returns
     -------
@@ -101,8 +134,9 @@ def stability_map(
         raise InputError(f"speeds_m_s: accepted: rising speeds, {_SLOWEST_M_S} m/s or more")
     if v.size * t.size > _MOST_POINTS:
         raise InputError(f"{v.size * t.size} points; accepted: at most {_MOST_POINTS}")
+    name, changes = of("bicycle", bicycle)
     answer = _twinhub.stability_map(
-        name_or_path("bicycle", bicycle), v.tolist(), t.tolist(), assignments(set), os.cpu_count() or 1
+        name, v.tolist(), t.tolist(), [*changes, *assignments(set)], workers_of(workers)
     )
     return StabilityMap(
         answer["bicycle"],

@@ -1,13 +1,15 @@
 """Modes of the benchmark bicycle over speed."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _twinhub
-from ._arguments import Assignments, NameOrPath, assignments, finite, name_or_path, speeds
+from ._arguments import Assignments, NameOrPath, assignments, finite, speeds
+from ._plot import axes
+from ._things import Bicycle, of
 from .errors import UnknownNameError
 
 
@@ -111,6 +113,32 @@ class Modes:
         values: npt.NDArray[np.complex128] = self.eigenvalues[chosen]
         return values.reshape(len(self.speed_m_s), count)
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw real parts of the eigenvalues over speed, with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not there (``pip install 'twinhub[plot]'``).
+        """
+        ax = axes(ax)
+        order = np.argsort(self.speed_m_s)
+        for name in np.unique(self.names).tolist():
+            growth = np.where(self.names == name, self.eigenvalues.real, np.nan)[order]
+            ax.plot(self.speed_m_s[order], growth, ".", markersize=3, label=name)
+        ax.axhline(0.0, color="0.5", linewidth=0.8)
+        ax.set(xlabel="speed, m/s", ylabel="growth, 1/s", title=f"{self.bicycle}, {self.front_brake_nm:g} Nm")
+        return ax
+
     def _repr_html_(self) -> str:
         order = np.argsort(self.speed_m_s)
         v = self.speed_m_s[order]
@@ -134,7 +162,7 @@ class Modes:
 
 
 def modes(
-    bicycle: NameOrPath = "meijaard2007_benchmark",
+    bicycle: NameOrPath | Bicycle = "meijaard2007_benchmark",
     torque_nm: float = 0.0,
     speeds_m_s: npt.ArrayLike | None = None,
     rear_torque_nm: float | None = None,
@@ -179,12 +207,13 @@ def modes(
     (101, 2)
     """
     asked = speeds(np.arange(21) * 0.5 if speeds_m_s is None else speeds_m_s)
+    name, changes = of("bicycle", bicycle)
     answer = _twinhub.modes(
-        name_or_path("bicycle", bicycle),
+        name,
         finite("torque_nm", torque_nm),
         asked,
         None if rear_torque_nm is None else finite("rear_torque_nm", rear_torque_nm),
-        assignments(set),
+        [*changes, *assignments(set)],
     )
     return Modes(
         bicycle=answer["bicycle"],

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _html, _twinhub
 from ._arguments import Assignments, NameOrPath, assignments
 from ._batch import Batch, batch
+from ._plot import axes
 from .errors import InputError
 
 
@@ -122,6 +123,30 @@ class Tuning:
             if not chosen or trial.effort_nm < chosen[-1].effort_nm:
                 chosen.append(trial)
         return tuple(chosen)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw effort over energy, the frontier as a line, with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not there (``pip install 'twinhub[plot]'``).
+        """
+        ax = axes(ax)
+        ax.plot([t.energy_wh_per_km for t in self.trials], [t.effort_nm for t in self.trials], ".", color="0.6")
+        front = self.frontier
+        ax.plot([t.energy_wh_per_km for t in front], [t.effort_nm for t in front], "o-", label="frontier")
+        ax.set(xlabel="energy, Wh/km", ylabel="effort, Nm")
+        return ax
 
     def __repr__(self) -> str:
         b = self.best

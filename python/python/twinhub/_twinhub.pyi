@@ -7,6 +7,7 @@ import numpy.typing as npt
 __all__ = [
     "_Controller",
     "_Stepper",
+    "_Stop",
     "__version__",
     "batch",
     "bicycles",
@@ -141,8 +142,17 @@ def league_spec(
     controllers: list[tuple[str, str]],
     profile: str | None,
 ) -> str: ...
+@final
+class _Stop:
+    def __new__(cls) -> _Stop: ...
+    def set(self) -> None: ...
+
 def league_part(
-    spec: str, part: int, laws: Mapping[str, Callable[[], Callable[[tuple[float, ...], float], object]]]
+    spec: str,
+    part: int,
+    laws: dict[str, Callable[[], Callable[[tuple[float, ...], float], object]]],
+    stop: _Stop | None,
+    rider: Callable[[], Callable[[tuple[float, ...], float], tuple[float, float]]] | None,
 ) -> str: ...
 def league_table(spec: str, parts: list[str]) -> str: ...
 def stability_map(

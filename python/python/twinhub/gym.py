@@ -82,7 +82,13 @@ class StabilizerEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float3
         """Go on by 20 ms."""
         if self._stepper is None:
             raise InputError("step before reset; accepted: reset() first")
-        share = float(np.clip(np.asarray(action, dtype=np.float64).ravel()[0], -1.0, 1.0))
+        try:
+            asked = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            asked = np.empty(0)
+        if asked.size != 1 or not np.isfinite(asked).all():
+            raise InputError(f"action={action!r}: accepted: an array of shape (1,), from -1 to 1")
+        share = float(np.clip(asked.item(), -1.0, 1.0))
         answer = self._stepper.step(_TICKS, 0.5 * (share + 1.0) * self._pair_max_nm)
         ridden = max(int(answer["ridden"]), 1)
         power_w = float(answer["energy_j"]) / (ridden * 1e-3)
