@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -82,14 +83,19 @@ def test_progress_of_a_batch_is_not_called_again_after_it_raised():
 
 
 def test_an_experiment_ends_when_its_progress_raises():
-    if not os.environ.get("TWINHUB_DATA"):
-        pytest.skip("no measured data: $TWINHUB_DATA is not set")
+    data = Path(__file__).parents[3] / "shared" / "data" / "davis_instrumented_105"
+    if not data.is_dir():
+        pytest.skip(f"no measured data in {data}")
+    calls = []
 
     def progress(text):
+        calls.append(text)
         raise Told
 
-    with pytest.raises(Told):
-        twinhub.experiment("davis_instrumented_105", progress=progress)
+    for work in (twinhub.experiment, twinhub.diagnose):
+        with pytest.raises(Told):
+            work("davis_instrumented_105", data=data, progress=progress)
+    assert len(calls) == 2
 
 
 def test_ctrl_c_leaves_nothing_running():

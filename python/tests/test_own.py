@@ -116,3 +116,65 @@ def test_maps_modes_and_tunings_draw_themselves_with_matplotlib():
     drawn = modes.plot()
     assert {line.get_label() for line in drawn.lines} >= {"weave", "capsize"}
     matplotlib.pyplot.close("all")
+
+
+def test_a_study_with_changes_is_another_one_and_stands_in_no_file(tmp_path):
+    plain = twinhub.Study("davis_instrumented_105")
+    changed = plain.changed({"ride.0.channel.2.scale": 0.7})
+    assert changed != plain and plain == twinhub.Study("davis_instrumented_105")
+    assert plain.save(tmp_path / "study.toml").read_text() == plain.to_toml()
+    with pytest.raises(twinhub.InputError, match="changes"):
+        changed.save(tmp_path / "changed.toml")
+
+
+def test_merged_shards_say_what_is_missing():
+    half = twinhub.league(2, classes=["older"], controllers=["constant"], duration_s=10.0, shard=(1, 2))
+    with pytest.warns(UserWarning, match="1 of 2 parts are missing"):
+        twinhub.merge_leagues([half])
+
+
+class Asks:
+    """An optimiser that asks for what it was told to ask for."""
+
+    def __init__(self, places):
+        self.places = places
+
+    def ask(self):
+        return self.places
+
+    def tell(self, places, values):
+        pass
+
+
+@pytest.mark.parametrize("places", [[], None, [0.5], [[0.5, 0.5]], [[float("nan")]], "much"])
+def test_an_optimiser_that_asks_for_nothing_is_refused(places):
+    bounds = {"law.limits.torque_max_nm": (0.0, 40.0)}
+    with pytest.raises(twinhub.InputError, match="ask"):
+        twinhub.tune(bounds=bounds, optimiser=Asks(places), set={"duration_s": 1.0}, seeds=[1])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"bounds": [("a", 1)]},
+        {"bounds": {"law.limits.torque_max_nm": 3.0}},
+        {"bounds": {"law.limits.torque_max_nm": ("a", "b")}},
+        {"trials": 0},
+        {"trials": 1.5},
+        {"seeds": 3},
+        {"seeds": []},
+        {"law": 3},
+    ],
+)
+def test_what_cannot_be_tuned_is_refused(wrong):
+    with pytest.raises(twinhub.InputError):
+        twinhub.tune(**{"bounds": {"law.limits.torque_max_nm": (0.0, 40.0)}, "set": {"duration_s": 1.0}, **wrong})
+
+
+def test_no_trial_of_optuna_is_left_running():
+    optuna = pytest.importorskip("optuna")
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    study = optuna.create_study()
+    bounds = {"law.limits.torque_max_nm": (0.0, 40.0)}
+    twinhub.tune(bounds=bounds, optimiser=study, set={"duration_s": 1.0}, seeds=[1], trials=np.int64(3))
+    assert [trial.state.name for trial in study.trials] == ["COMPLETE"] * 3

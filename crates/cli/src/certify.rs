@@ -1,6 +1,6 @@
 //! `twinhub certify`: a schedule's proof, checked.
 
-use crate::design::{beside, bicycle, kind, stop_flag, stretches};
+use crate::design::{beside, bicycle, kind, stop_flag, stretches, told};
 use crate::exit::{self, bad_input};
 use anyhow::anyhow;
 use clap::Args;
@@ -53,7 +53,7 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
     if is_law && checked.holds {
         let config: Config = toml::from_str(&read(&args.file)?)
             .map_err(|e| bad_input(anyhow!("{}: {e}", args.file.display())))?;
-        let proved = law::config(&certificate, &parameters).map_err(kind)?;
+        let proved = law::config(&certificate, &told(&parameters)).map_err(kind)?;
         let broken = config.check().err().map(|e| e.to_string());
         let same = config.certificate == proved.certificate && config.bicycle == proved.bicycle;
         let moved = (!same).then(|| "tube or bicycle are not those of the proof".to_owned());

@@ -108,7 +108,7 @@ pub fn run(args: &DesignArgs) -> anyhow::Result<ExitCode> {
     let certificate = design(&plan, &parameters, &watch).map_err(kind)?;
     bar.finish_and_clear();
     if let Some(out) = &args.out {
-        let text = law::file(&certificate, &parameters).map_err(kind)?;
+        let text = law::file(&certificate, &told(&parameters)).map_err(kind)?;
         let proof = serde_json::to_string(&certificate)?;
         let beside = beside(out);
         std::fs::write(&beside, proof)
@@ -143,6 +143,11 @@ pub fn kind(error: DesignError) -> anyhow::Error {
 pub fn bicycle(name: &str) -> anyhow::Result<Parameters> {
     let none: [&str; 0] = [];
     load_multibody(name, &none).map_err(bad_input)
+}
+
+/// The bicycle as the bench tells the controller.
+pub fn told(parameters: &Parameters) -> twinhub_control::Bicycle {
+    twinhub_sim::bicycle::ResolvedBicycle::multibody(parameters.clone()).control()
 }
 
 /// A flag that Ctrl-C sets.

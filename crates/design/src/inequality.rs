@@ -32,8 +32,7 @@ pub struct Along {
     pub second: Loop,
 }
 
-/// The smallest share by which the inequality could be missed: 1 is the unit of the delay's error.
-/// Positive: proved, rounding included.
+/// Is the inequality proved along the cell, rounding included?
 pub fn proved(
     along: &Along,
     p: [&DMatrix<f64>; 2],
@@ -59,8 +58,21 @@ pub fn proved(
         ]
     };
     let drift = (p[1] - p[0]) * (rate_m_s2 / cell_m_s);
-    let size = norm(p[0], &scale).max(norm(p[1], &scale))
-        * a.iter().map(|a| mixed_norm(a, &scale)).fold(0.0, f64::max);
+    let ends = [&along.first, &along.second];
+    let input = |l: &Loop| {
+        let entries = l.b.iter().zip(&scale).map(|(b, s)| (b / s) * (b / s));
+        libm::sqrt(entries.sum::<f64>())
+    };
+    let bound = |l: &Loop| {
+        let entries = l.c.iter().zip(&scale).map(|(c, s)| (c * s) * (c * s));
+        libm::sqrt(entries.sum::<f64>())
+    };
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let rates = largest(&mut a.iter().map(|a| mixed_norm(a, &scale)))
+        + largest(&mut ends.iter().map(|l| input(l)))
+        + 2.0 * rate_m_s2 / cell_m_s;
+    let size = norm(p[0], &scale).max(norm(p[1], &scale)) * rates
+        + largest(&mut ends.iter().map(|l| bound(l)));
     (0..4).all(|j| {
         let share = j as f64 / 3.0;
         let c = &along.first.c * (1.0 - share) + &along.second.c * share;

@@ -9,45 +9,26 @@
 
 use crate::DesignError;
 use crate::certificate::{Certificate, Point};
-use crate::plan::front_load_n;
 
 use twinhub_control::{
     Bicycle, Certificate as Tube, Config, Law, Limits, Point as LawPoint, Profile, Schedule,
     law::Scheduled,
 };
-use twinhub_plant::multibody::Parameters;
 
 /// How far a point may lie from the line between its neighbours and be left out, Nm.
 const LINE_NM: f64 = 0.05;
 
-/// The controller's bicycle of these parameters.
-pub fn bicycle(parameters: &Parameters) -> Bicycle {
-    let (mass_kg, [_, height_m]) = parameters.mass_and_centre();
-    let front_n = front_load_n(parameters);
-    let g = &parameters.geometry;
-    // Readable numbers.
-    let round = |x: f64, digits: f64| (libm::round(x * digits) / digits) as f32;
-    Bicycle {
-        front_wheel_radius_m: round(parameters.front_wheel.radius_m, 1e4),
-        rear_wheel_radius_m: round(parameters.rear_wheel.radius_m, 1e4),
-        wheelbase_m: round(g.wheelbase_m, 1e4),
-        steer_tilt_rad: round(g.steer_tilt_rad, 1e4),
-        front_load_n: round(front_n, 1.0),
-        rear_load_n: round(mass_kg * parameters.gravity_m_s2 - front_n, 1.0),
-        com_height_m: round(height_m, 1e3),
-    }
-}
-
-/// The controller's configuration: no pair at all where nothing is proved.
+/// The controller's configuration on `bicycle`, as the bench tells it: no pair at all where nothing is
+/// proved.
 ///
 /// # Errors
 /// If the schedule needs more points than the controller has.
-pub fn config(certificate: &Certificate, parameters: &Parameters) -> Result<Config, DesignError> {
+pub fn config(certificate: &Certificate, bicycle: &Bicycle) -> Result<Config, DesignError> {
     let plan = &certificate.plan;
     let kept = needed(&certificate.schedule);
     let some = kept.iter().any(|p| p.torque_nm > 0.0);
     let largest_nm = kept.iter().map(|p| p.torque_nm).fold(0.0, f64::max);
-    let bicycle = bicycle(parameters);
+    let bicycle = *bicycle;
     let (law, tube) = if some {
         let at = |value: fn(&Point) -> f64| -> Result<Schedule, DesignError> {
             let points: Vec<LawPoint> = kept
@@ -132,8 +113,8 @@ fn needed(points: &[Point]) -> Vec<Point> {
 ///
 /// # Errors
 /// As [`config`].
-pub fn file(certificate: &Certificate, parameters: &Parameters) -> Result<String, DesignError> {
-    let config = config(certificate, parameters)?;
+pub fn file(certificate: &Certificate, bicycle: &Bicycle) -> Result<String, DesignError> {
+    let config = config(certificate, bicycle)?;
     let text = toml::to_string(&config).map_err(|e| DesignError::Plan(e.to_string()))?;
     let plan = &certificate.plan;
     let stretches: Vec<String> = crate::check::stretches(&certificate.schedule, &certificate.cells)

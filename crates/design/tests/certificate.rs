@@ -1,7 +1,7 @@
 //! A small design from plan to law file, and what a check makes of a proof that has been tampered with.
 
 use std::sync::OnceLock;
-use twinhub_control::{Config, Law};
+use twinhub_control::{Bicycle, Config, Law};
 use twinhub_design::certificate::{Certificate, Entry, Plan};
 use twinhub_design::check::check;
 use twinhub_design::family::FactorBox;
@@ -12,6 +12,17 @@ use twinhub_plant::bicycles::load_multibody;
 use twinhub_plant::multibody::Parameters;
 
 const BICYCLE: &str = "bulsink2017_bicycle1_full";
+
+/// The bicycle as a bench might tell the controller.
+const TOLD: Bicycle = Bicycle {
+    front_wheel_radius_m: 0.35,
+    rear_wheel_radius_m: 0.35,
+    wheelbase_m: 1.15,
+    steer_tilt_rad: 0.360_796_33,
+    front_load_n: 345.678_9,
+    rear_load_n: 616.1,
+    com_height_m: 0.962_3,
+};
 
 fn bicycle(changes: &[&str]) -> Parameters {
     load_multibody(BICYCLE, changes).expect("ships")
@@ -110,9 +121,10 @@ fn a_proof_that_was_tampered_with_fails() {
 
 #[test]
 fn the_law_file_is_read_back_and_refuses_another_bicycle_or_schedule() {
-    let text = law::file(certificate(), &bicycle(&[])).expect("fits the controller");
+    let text = law::file(certificate(), &TOLD).expect("fits the controller");
     let config: Config = toml::from_str(&text).expect("reads back");
     assert_eq!(config.check(), Ok(()));
+    assert_eq!(config.bicycle, TOLD);
     let Law::Scheduled(scheduled) = &config.law else {
         panic!("a schedule: {text}");
     };
@@ -135,7 +147,7 @@ fn where_nothing_can_be_proved_the_schedule_is_zero_and_the_reason_is_said() {
     assert!(certificate.schedule.iter().all(|p| p.torque_nm == 0.0));
     assert!(certificate.cells.iter().all(|proved| !proved));
     assert_eq!(certificate.stops.len(), 1);
-    let config = law::config(&certificate, &bicycle(&[])).expect("a law");
+    let config = law::config(&certificate, &TOLD).expect("a law");
     assert!(matches!(config.law, Law::Off(_)));
 }
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from numbers import Integral
@@ -244,6 +245,11 @@ def merge_leagues(leagues: Iterable[League]) -> League:
     ------
     InputError
         If they are not of one league, or there are none.
+
+    Warns
+    -----
+    UserWarning
+        If parts are missing.
     """
     all_of_them = list(leagues)
     if not all_of_them:
@@ -251,6 +257,13 @@ def merge_leagues(leagues: Iterable[League]) -> League:
     if any(league.spec != all_of_them[0].spec for league in all_of_them):
         raise InputError("leagues: they differ in seed, riders, classes or controllers; accepted: shards of one")
     parts = {json.loads(text)["part"]: text for league in all_of_them for text in league.parts}
+    spec = json.loads(all_of_them[0].spec)
+    missing = spec["riders"] * len(spec["classes"]) - len(parts)
+    if missing > 0:
+        warnings.warn(
+            f"{missing} of {missing + len(parts)} parts are missing: not every shard is here, or not whole",
+            stacklevel=2,
+        )
     return League(all_of_them[0].spec, [parts[number] for number in sorted(parts)])
 
 

@@ -104,7 +104,7 @@ class Thing:
             The same.
         """
         file = Path(os.fspath(path))
-        file.write_text(self._toml, encoding="utf-8")
+        file.write_text(self.to_toml(), encoding="utf-8")
         return file
 
     def __eq__(self, other: object) -> bool:
@@ -276,6 +276,20 @@ class Study(Thing):
     """
 
     kind = "study"
+
+    def to_toml(self) -> str:
+        """The file, TOML; refused if there are changes, which it would not hold."""
+        if self.changes:
+            raise InputError(
+                f"{self!r}: its changes hold where it is used and stand in no file; accepted: a study without changes"
+            )
+        return super().to_toml()
+
+    def __eq__(self, other: object) -> bool:
+        return super().__eq__(other) and isinstance(other, Study) and self.changes == other.changes
+
+    def __hash__(self) -> int:
+        return hash((self._toml, *self.changes))
 
 
 class Run(Columns):

@@ -3,15 +3,17 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _html, _twinhub
-from ._arguments import Assignments, NameOrPath, assignments
+from ._arguments import Assignments, NameOrPath, assignments, finite
 from ._batch import Batch, batch
 from ._plot import axes
+from ._things import Bicycle, Course, Law, Rider, placed
 from .errors import InputError
 
 
@@ -223,13 +225,16 @@ def tune(
     objective: Callable[[Batch], float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     optimiser: object = None,
-    course: NameOrPath = "three_to_eight",
+    course: NameOrPath | Course = "three_to_eight",
     start: Mapping[str, float] | None = None,
     set: Assignments | None = None,
     seeds: Iterable[int] = (1, 2, 3, 4),
     trials: int = 100,
     executor: Executor | None = None,
     progress: Callable[[Trial], object] | None = None,
+    law: Law | NameOrPath | None = None,
+    rider: Rider | NameOrPath | None = None,
+    bicycle: Bicycle | NameOrPath | None = None,
 ) -> Tuning:
     """Find values of a stabilizer that make an objective small, on the same rides every time.
 
@@ -246,7 +251,7 @@ def tune(
         ``optuna`` study, or a callable ``minimise(function, x0, bounds)`` with coordinates from 0 to
         1 (``lambda f, x0, b: scipy.optimize.minimize(f, x0, bounds=b, method="Powell")``).
         Steps along the axes, halved where none helps, if not given.
-    course : str or os.PathLike
+    course : str, os.PathLike or Course
         As for `ride`.
     start : mapping, optional
         Values to begin with, by path; the middle of the bounds if not given. Ask-tell optimisers have
@@ -261,6 +266,12 @@ def tune(
         Where rides run; on all cores of this process if not given.
     progress : callable, optional
         Called with each `Trial`.
+    law : Law, str or os.PathLike, optional
+        A law in place of the course's: what is tuned.
+    rider : Rider, str or os.PathLike, optional
+        A rider in place of the course's.
+    bicycle : Bicycle, str or os.PathLike, optional
+        A multibody bicycle in place of the course's.
 
     Returns
     -------
@@ -271,16 +282,20 @@ def tune(
     InputError
         If an argument is wrong, or a value is none that the controller accepts.
     """
-    if not bounds:
-        raise InputError("bounds: none; accepted: a mapping from path to (least, greatest)")
+    if not bounds or not isinstance(bounds, Mapping):
+        raise InputError(f"bounds={bounds!r}: accepted: a mapping from path to (least, greatest)")
     for path, pair in bounds.items():
-        if len(pair) != 2 or not (np.isfinite(pair[0]) and np.isfinite(pair[1]) and pair[0] < pair[1]):
+        if not isinstance(pair, Sequence) or len(pair) != 2:
+            raise InputError(f"bounds[{path!r}]={pair!r}: accepted: (least, greatest), finite and in that order")
+        if not finite(f"bounds[{path!r}][0]", pair[0]) < finite(f"bounds[{path!r}][1]", pair[1]):
             raise InputError(f"bounds[{path!r}]={pair!r}: accepted: (least, greatest), finite and in that order")
     paths = list(bounds)
     low = np.array([bounds[path][0] for path in paths], dtype=np.float64)
     high = np.array([bounds[path][1] for path in paths], dtype=np.float64)
-    if trials < 1:
-        raise InputError(f"trials={trials!r}: accepted: 1 or more")
+    if not isinstance(trials, Integral) or isinstance(trials, bool) or trials < 1:
+        raise InputError(f"trials={trials!r}: accepted: an integer, 1 or more")
+    if not isinstance(seeds, Iterable):
+        raise InputError(f"seeds={seeds!r}: accepted: several seeds, as range(10)")
     x0 = np.full(len(paths), 0.5)
     if start is not None:
         missing = [path for path in paths if path not in start]
@@ -289,7 +304,11 @@ def tune(
         x0 = (np.array([start[path] for path in paths]) - low) / (high - low)
         if not ((x0 >= 0.0) & (x0 <= 1.0)).all():
             raise InputError(f"start={dict(start)!r}: accepted: values within the bounds")
-    chosen, common = list(seeds), assignments(set)
+    things = (("law", law), ("rider", rider), ("bicycle", bicycle))
+    places = [text for kind, thing in things for text in placed(kind, thing)]
+    chosen, common = list(seeds), [*places, *assignments(set)]
+    if not chosen:
+        raise InputError("seeds: none; accepted: several seeds, as range(10)")
 
     def ride(values: Mapping[str, float]) -> Batch:
         if executor is None:
@@ -297,7 +316,7 @@ def tune(
         parts = list(executor.map(_ride_one, [(course, seed, common, dict(values)) for seed in chosen]))
         return Batch({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
-    bench = _Bench(objective or Weighted(), paths, low, high, ride, trials, progress)
+    bench = _Bench(objective or Weighted(), paths, low, high, ride, int(trials), progress)
     try:
         _search(bench, optimiser, x0)
     except _Enough:
@@ -328,27 +347,54 @@ def _compass(
             step *= 0.5
 
 
-def _ride_one(job: tuple[NameOrPath, int, Assignments | None, dict[str, float]]) -> dict[str, Any]:
+def _ride_one(job: tuple[NameOrPath | Course, int, Assignments | None, dict[str, float]]) -> dict[str, Any]:
     course, seed, values, vary = job
     return dict(batch(course, [seed], set=values, vary=[vary], workers=1))
+
+
+def _one_of_optuna(bench: _Bench, trial: Any, tell: Callable[..., object]) -> None:
+    try:
+        values = {
+            path: float(trial.suggest_float(path, a, b))
+            for path, a, b in zip(bench.paths, bench.low, bench.high, strict=True)
+        }
+        found = bench.at(values)
+    except BaseException:
+        # Not left as one that still runs.
+        from optuna.trial import TrialState
+
+        tell(trial, state=TrialState.FAIL)
+        raise
+    tell(trial, found)
+
+
+def _asked(asked: object, count: int) -> npt.NDArray[np.float64]:
+    """Places that an optimiser asks for, shape (k, count)."""
+    try:
+        places = np.asarray(asked, dtype=np.float64)
+    except (TypeError, ValueError):
+        places = np.empty(0)
+    if places.ndim != 2 or places.shape[0] == 0 or places.shape[1] != count or not np.isfinite(places).all():
+        raise InputError(
+            f"optimiser: ask() gave {asked!r}; accepted: a list of one or more places, each of {count} finite "
+            "numbers from 0 to 1"
+        )
+    return places
 
 
 def _search(bench: _Bench, optimiser: Any, x0: npt.NDArray[np.float64]) -> None:
     ask, tell = getattr(optimiser, "ask", None), getattr(optimiser, "tell", None)
     if callable(ask) and callable(tell):
         stop = getattr(optimiser, "stop", None)
-        while True:
+        while len(bench.trials) < bench.most:
             asked = ask()
             if hasattr(asked, "suggest_float"):
-                values = {
-                    path: float(asked.suggest_float(path, a, b))
-                    for path, a, b in zip(bench.paths, bench.low, bench.high, strict=True)
-                }
-                tell(asked, bench.at(values))
+                _one_of_optuna(bench, asked, tell)
                 continue
-            tell(asked, [bench.cube(x) for x in asked])
+            tell(asked, [bench.cube(x) for x in _asked(asked, len(bench.paths))])
             if callable(stop) and not hasattr(optimiser, "optimize_trials") and stop():
-                return
+                break
+        return
     minimise: Minimiser
     if optimiser is None:
         minimise = _compass
