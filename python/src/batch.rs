@@ -1,19 +1,15 @@
 //! Many rides, on all cores.
 
 use crate::errors;
+use crate::watched::{Teller, watched};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
 use twinhub_link::InProcess;
 use twinhub_sim::{Metrics, Ride, RideError, Settings};
 
-/// Wall time between two looks at signals and progress.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
 /// Ticks between two looks at whether to stop.
 const STOP_EVERY: u64 = 256;
 
@@ -40,104 +36,50 @@ pub fn batch<'py>(
         pool = pool.num_threads(workers);
     }
     let pool = pool.build().map_err(errors::input)?;
-    let found = py.detach(|| run(&pool, &rides, progress.as_ref()))?;
-    columns(py, &found)
+    let (mut done, total) = (0, rides.len());
+    let hear = |py: Python<'_>, (): ()| {
+        done += 1;
+        match &progress {
+            Some(progress) => progress.call1(py, (done, total)).map(|_| ()),
+            None => Ok(()),
+        }
+    };
+    let found = watched(py, hear, move |teller| pool.install(|| run(&rides, teller)))?;
+    let mut metrics = Vec::with_capacity(found.len());
+    for (index, result) in found.into_iter().enumerate() {
+        match result {
+            Ok(one) => metrics.push(one),
+            Err(Failure::Setup(error)) => {
+                let error = errors::setup(error);
+                return Err(errors::input(format!("ride {index}: {error}")));
+            }
+            Err(Failure::Ride(error)) => {
+                return Err(errors::python::RideError::new_err(format!("ride {index}: {error}")));
+            }
+            // Another one's failure, which follows.
+            Err(Failure::Stopped) => {}
+        }
+    }
+    columns(py, &metrics)
 }
 
-fn run(
-    pool: &rayon::ThreadPool,
-    rides: &[Wanted],
-    progress: Option<&Py<PyAny>>,
-) -> PyResult<Vec<Metrics>> {
-    let stop = AtomicBool::new(false);
-    let done = AtomicUsize::new(0);
-    let failed: Mutex<Option<(usize, Failure)>> = Mutex::new(None);
-    let (finished, when_finished) = channel::<()>();
-    let raised: Mutex<Option<PyErr>> = Mutex::new(None);
-    let mut results: Vec<Option<Metrics>> = Vec::new();
-    std::thread::scope(|scope| {
-        let work = scope.spawn(|| {
-            let found = pool.install(|| {
-                let one = |(index, wanted): (usize, &Wanted)| match ride(wanted, &stop) {
-                    Ok(metrics) => {
-                        done.fetch_add(1, Ordering::Relaxed);
-                        Some(metrics)
-                    }
-                    Err(Failure::Stopped) => None,
-                    Err(failure) => {
-                        stop.store(true, Ordering::Relaxed);
-                        if let Ok(mut failed) = failed.lock()
-                            && failed.as_ref().is_none_or(|(first, _)| index < *first)
-                        {
-                            *failed = Some((index, failure));
-                        }
-                        None
-                    }
-                };
-                rides.par_iter().enumerate().with_max_len(1).map(one).collect()
-            });
-            drop(finished);
-            found
-        });
-        let mut told = 0;
-        loop {
-            let over = !matches!(
-                when_finished.recv_timeout(LOOK_EVERY),
-                Err(RecvTimeoutError::Timeout)
-            );
-            let now = done.load(Ordering::Relaxed);
-            // Once it has raised, nothing is told any more.
-            let stopped = stop.load(Ordering::Relaxed);
-            let looked = Python::attach(|py| -> PyResult<()> {
-                py.check_signals()?;
-                match progress {
-                    Some(progress) if now > told && !stopped => {
-                        progress.call1(py, (now, rides.len()))?;
-                    }
-                    _ => {}
-                }
-                Ok(())
-            });
-            told = now;
-            if let Err(error) = looked {
-                stop.store(true, Ordering::Relaxed);
-                if let Ok(mut raised) = raised.lock() {
-                    raised.get_or_insert(error);
-                }
-            }
-            if over {
-                break;
-            }
+/// Every ride, in order; the first failure ends the others.
+fn run(rides: &[Wanted], teller: &Teller<()>) -> Vec<Result<Metrics, Failure>> {
+    let failed = AtomicBool::new(false);
+    let go_on = || teller.go_on() && !failed.load(Ordering::Relaxed);
+    let one = |wanted: &Wanted| {
+        let result = ride(wanted, &go_on);
+        match &result {
+            Ok(_) => teller.tell(()),
+            Err(_) => failed.store(true, Ordering::Relaxed),
         }
-        match work.join() {
-            Ok(found) => results = found,
-            Err(panic) => {
-                if let Ok(mut raised) = raised.lock() {
-                    raised.get_or_insert(crate::watched::panicked(&*panic));
-                }
-            }
-        }
-    });
-    if let Ok(Some(error)) = raised.into_inner() {
-        return Err(error);
-    }
-    match failed.into_inner() {
-        Ok(Some((index, Failure::Setup(error)))) => {
-            let error = errors::setup(error);
-            return Err(errors::input(format!("ride {index}: {error}")));
-        }
-        Ok(Some((index, Failure::Ride(error)))) => {
-            return Err(errors::python::RideError::new_err(format!(
-                "ride {index}: {error}"
-            )));
-        }
-        _ => {}
-    }
-    Ok(results.into_iter().flatten().collect())
+        result
+    };
+    rides.par_iter().with_max_len(1).map(one).collect()
 }
 
-fn ride(wanted: &Wanted, stop: &AtomicBool) -> Result<Metrics, Failure> {
-    if stop.load(Ordering::Relaxed) {
+fn ride(wanted: &Wanted, go_on: &dyn Fn() -> bool) -> Result<Metrics, Failure> {
+    if !go_on() {
         return Err(Failure::Stopped);
     }
     let (course, stabilizer, assignments) = wanted;
@@ -150,9 +92,8 @@ fn ride(wanted: &Wanted, stop: &AtomicBool) -> Result<Metrics, Failure> {
         git_hash: String::new(),
     };
     let mut port = InProcess::new(twinhub_sim::in_process(&ride.law));
-    let mut watch = |progress: twinhub_sim::Progress| {
-        !progress.tick.is_multiple_of(STOP_EVERY) || !stop.load(Ordering::Relaxed)
-    };
+    let mut watch =
+        |progress: twinhub_sim::Progress| !progress.tick.is_multiple_of(STOP_EVERY) || go_on();
     let outcome =
         twinhub_sim::ride(&ride, &settings, &mut port, &mut watch).map_err(Failure::Ride)?;
     if outcome.ending == twinhub_sim::Ending::Stopped {

@@ -220,9 +220,7 @@ impl PythonLaw<'_> {
                 ..Demand::default()
             },
             Err(error) => {
-                if let Ok(mut raised) = self.raised.lock() {
-                    raised.get_or_insert(error);
-                }
+                errors::keep(self.raised, error);
                 Demand::default()
             }
         }

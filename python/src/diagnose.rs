@@ -1,7 +1,7 @@
 //! What the model gets wrong about measured rides.
 
 use crate::errors;
-use crate::watched::watched;
+use crate::watched::{texts, watched};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use twinhub_diagnose::data::{DataFolders, RideData, read_ride};
@@ -21,10 +21,10 @@ pub fn diagnose(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Option<String>)> {
     let study = Study::read(study, &assignments).map_err(errors::input)?;
-    let found = watched(py, progress.as_ref(), move |teller| {
+    let found = watched(py, texts(progress.as_ref()), move |teller| {
         let folders = DataFolders::new(&study, data.as_deref());
         let options = Options { without, only };
-        diagnose_in(&study, &folders, &options, &mut |text| teller.tell(text))
+        diagnose_in(&study, &folders, &options, &mut |text| teller.tell(text.to_owned()))
             .map_err(|e| e.to_string())
     })?;
     let answer = found.map_err(errors::input)?;
@@ -43,17 +43,17 @@ pub fn experiment(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let study = Study::read(study, &assignments).map_err(errors::input)?;
-    let found = watched(py, progress.as_ref(), move |teller| {
+    let found = watched(py, texts(progress.as_ref()), move |teller| {
         let folders = DataFolders::new(&study, data.as_deref());
         let rides: Vec<RideData> = study
             .rides
             .iter()
             .map(|ride| {
-                teller.tell(&format!("reading {}", ride.file));
+                teller.tell(format!("reading {}", ride.file));
                 read_ride(ride, &folders).map_err(|e| e.to_string())
             })
             .collect::<Result<_, _>>()?;
-        what_rides_show(&study, &rides, &mut |text| teller.tell(text)).map_err(|e| e.to_string())
+        what_rides_show(&study, &rides, &mut |text| teller.tell(text.to_owned())).map_err(|e| e.to_string())
     })?;
     serde_json::to_string(&found.map_err(errors::input)?).map_err(errors::input)
 }

@@ -8,6 +8,7 @@ pub mod python {
 }
 
 use pyo3::PyErr;
+use std::sync::Mutex;
 
 /// Input that the caller can mend.
 pub fn input(error: impl std::fmt::Display) -> PyErr {
@@ -37,5 +38,12 @@ pub fn ride(error: twinhub_sim::RideError) -> PyErr {
         twinhub_sim::RideError::Setup(error) => setup(error),
         twinhub_sim::RideError::Log(error) => log(&error),
         other => python::RideError::new_err(other.to_string()),
+    }
+}
+
+/// Keeps what the caller's own code raised; what it raised first counts.
+pub fn keep(raised: &Mutex<Option<PyErr>>, error: PyErr) {
+    if let Ok(mut raised) = raised.lock() {
+        raised.get_or_insert(error);
     }
 }

@@ -1,17 +1,18 @@
 //! Controllers against each other: parts of a league, for any executor.
 
 use crate::controller::PythonLaw;
-use crate::errors;
+use crate::errors::{self, keep};
+use crate::ride::PythonRider;
+use crate::watched::{Ended, end, panicked};
 use pyo3::prelude::*;
 use std::collections::HashMap;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use twinhub_control::{Config, Controller, Profile};
-use crate::ride::PythonRider;
 use twinhub_league::league::{Answers, Hand};
-use twinhub_plant::rider::Perception;
 use twinhub_league::{Class, League, LeagueError, Part, Spec, frontier, harm, table};
+use twinhub_plant::rider::Perception;
 use twinhub_sim::in_process;
 use twinhub_types::PlantFrame;
 
@@ -121,9 +122,6 @@ impl Stop {
     }
 }
 
-/// What a part that is to end unwinds with.
-struct Ended;
-
 /// Part number `part`, JSON. `laws` are the controllers that are written in Python, by name; `rider` gives
 /// a rider written in Python for each ride. What these raise ends the part with that tick; so does `stop`.
 #[pyfunction]
@@ -149,30 +147,17 @@ pub fn league_part(
         }
         let go_on = || {
             if stopped() || raised.lock().is_ok_and(|raised| raised.is_some()) {
-                resume_unwind(Box::new(Ended));
+                end();
             }
         };
-        let hand = || -> Hand<'_> {
-            let started = rider.as_ref().map(|start| Python::attach(|py| start.call0(py)));
-            let callable = match started {
-                Some(Ok(callable)) => callable,
-                Some(Err(error)) => {
-                    if let Ok(mut raised) = raised.lock() {
-                        raised.get_or_insert(error);
-                    }
-                    resume_unwind(Box::new(Ended));
-                }
-                None => resume_unwind(Box::new(Ended)),
-            };
-            let raised = &raised;
-            Box::new(move |perception: &Perception, step_s: f64| {
-                let rider = PythonRider {
-                    callable: &callable,
-                    raised,
-                };
-                rider.act(perception, step_s)
+        // A law or a rider may remember: every ride gets one of its own.
+        let begin = |start: &Py<PyAny>| {
+            Python::attach(|py| start.call0(py)).unwrap_or_else(|error| {
+                keep(&raised, error);
+                end()
             })
         };
+        let raised = &raised;
         let answers = |name: &str, config: &Config| -> Answers<'_> {
             let Some(start) = laws.get(name) else {
                 let mut answer = in_process(config);
@@ -181,34 +166,31 @@ pub fn league_part(
                     answer(frame)
                 });
             };
-            {
-                // A law may remember: every ride gets one of its own.
-                let law = Python::attach(|py| start.call0(py));
-                let callable = match law {
-                    Ok(callable) => callable,
-                    Err(error) => {
-                        if let Ok(mut raised) = raised.lock() {
-                            raised.get_or_insert(error);
-                        }
-                        return Box::new(in_process(config));
-                    }
+            let callable = begin(start);
+            let mut controller = Controller::new(config);
+            Box::new(move |frame: &PlantFrame| {
+                let law = PythonLaw {
+                    callable: &callable,
+                    raised,
                 };
-                let mut controller = Controller::new(config);
-                let raised = &raised;
-                Box::new(move |frame: &PlantFrame| {
-                    let law = PythonLaw {
-                        callable: &callable,
-                        raised,
-                    };
-                    let answer = controller.answer_by(&mut |_, x, dt_s| law.demand(x, dt_s), frame);
-                    go_on();
-                    answer
-                })
-            }
+                let answer = controller.answer_by(&mut |_, x, dt_s| law.demand(x, dt_s), frame);
+                go_on();
+                answer
+            })
+        };
+        let hand = |start: &Py<PyAny>| -> Hand<'_> {
+            let callable = begin(start);
+            Box::new(move |perception: &Perception, step_s: f64| {
+                let rider = PythonRider {
+                    callable: &callable,
+                    raised,
+                };
+                rider.act(perception, step_s)
+            })
         };
         // Nothing of a part outlives it but the practised gains, which are whole or not there.
-        let run = || match rider {
-            Some(_) => league.part_by(part, &answers, Some(&hand)),
+        let run = || match &rider {
+            Some(start) => league.part_by(part, &answers, Some(&|| hand(start))),
             None => league.part_by(part, &answers, None),
         };
         match catch_unwind(AssertUnwindSafe(run)) {
@@ -216,7 +198,7 @@ pub fn league_part(
             Err(panic) if panic.is::<Ended>() => Err(errors::python::RideError::new_err(
                 "the league was stopped",
             )),
-            Err(panic) => Err(crate::watched::panicked(&*panic)),
+            Err(panic) => Err(panicked(&*panic)),
         }
     });
     if let Ok(Some(error)) = raised.into_inner() {

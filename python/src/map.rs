@@ -1,7 +1,7 @@
 //! Stability over speed and motor torque.
 
 use crate::errors;
-use crate::watched::watched;
+use crate::watched::{texts, watched};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -22,7 +22,7 @@ pub fn stability_map<'py>(
     let parameters = bicycles::load_multibody(bicycle, &assignments).map_err(errors::input)?;
     let model = Multibody::new(&parameters).map_err(errors::input)?;
     let (torques, speeds) = (torques_nm.clone(), speeds_m_s.clone());
-    let rows = watched(py, None, move |teller| {
+    let rows = watched(py, texts(None), move |teller| {
         map(&model, &torques, &speeds, workers, &|_| teller.go_on())
     })?;
     let grid = |growth: fn(&MapPoint) -> Option<f64>| -> Grid {

@@ -208,9 +208,7 @@ impl PythonRider<'_> {
                 ..Action::default()
             },
             Err(error) => {
-                if let Ok(mut raised) = self.raised.lock() {
-                    raised.get_or_insert(error);
-                }
+                errors::keep(self.raised, error);
                 Action::default()
             }
         }

@@ -1,9 +1,10 @@
 //! Long work that hears signals: it runs on a thread of its own while the caller's looks for Ctrl-C
-//! and calls `progress`.
+//! and hears how far it is.
 
 use crate::errors;
 use pyo3::prelude::*;
 use std::any::Any;
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -13,20 +14,25 @@ use std::time::Duration;
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// What work that is to end unwinds with.
-struct Ended;
+pub struct Ended;
 
-/// The work's side.
-pub struct Teller {
-    stop: Arc<AtomicBool>,
-    told: Sender<String>,
+/// Ends the work that calls it, from as deep as it is.
+pub fn end() -> ! {
+    resume_unwind(Box::new(Ended))
 }
 
-impl Teller {
+/// The work's side: messages of the kind `M` go to the caller's.
+pub struct Teller<M> {
+    stop: Arc<AtomicBool>,
+    told: Sender<M>,
+}
+
+impl<M> Teller<M> {
     /// Says where the work is. Does not come back if the work is to end.
-    pub fn tell(&self, text: &str) {
+    pub fn tell(&self, message: M) {
         // Nobody listens: the caller has gone already.
-        if self.stop.load(Ordering::Relaxed) || self.told.send(text.to_owned()).is_err() {
-            std::panic::resume_unwind(Box::new(Ended));
+        if !self.go_on() || self.told.send(message).is_err() {
+            end();
         }
     }
 
@@ -36,18 +42,28 @@ impl Teller {
     }
 }
 
-/// Runs `work`; its last word is the answer. Ctrl-C, and what `progress` raises, end the call at once;
-/// the work ends when it next looks, and nothing is told after that.
+/// Hears texts with a callable, if there is one.
+pub fn texts(
+    progress: Option<&Py<PyAny>>,
+) -> impl FnMut(Python<'_>, String) -> PyResult<()> + Send {
+    move |py, text| match progress {
+        Some(progress) => progress.call1(py, (text,)).map(|_| ()),
+        None => Ok(()),
+    }
+}
+
+/// Runs `work`; its last word is the answer. `hear` gets what it tells. Ctrl-C, and what `hear` raises,
+/// end the call at once; the work ends when it next looks, and nothing is heard after that.
 ///
 /// # Errors
-/// What a signal or `progress` raises; a `RideError` if the work panics.
-pub fn watched<T: Send + 'static>(
+/// What a signal or `hear` raises; a `RideError` if the work panics.
+pub fn watched<T: Send + 'static, M: Send + 'static>(
     py: Python<'_>,
-    progress: Option<&Py<PyAny>>,
-    work: impl FnOnce(&Teller) -> T + Send + 'static,
+    mut hear: impl FnMut(Python<'_>, M) -> PyResult<()> + Send,
+    work: impl FnOnce(&Teller<M>) -> T + Send + 'static,
 ) -> PyResult<T> {
     let stop = Arc::new(AtomicBool::new(false));
-    let (told, hears) = channel::<String>();
+    let (told, hears) = channel();
     let teller = Teller {
         stop: Arc::clone(&stop),
         told,
@@ -59,19 +75,17 @@ pub fn watched<T: Send + 'static>(
     });
     py.detach(move || {
         loop {
-            let heard = hears.recv_timeout(LOOK_EVERY);
-            let looked = Python::attach(|py| -> PyResult<()> {
+            let message = hears.recv_timeout(LOOK_EVERY);
+            let over = matches!(message, Err(RecvTimeoutError::Disconnected));
+            let heard = Python::attach(|py| {
                 py.check_signals()?;
-                if let (Ok(text), Some(progress)) = (&heard, progress) {
-                    progress.call1(py, (text,))?;
-                }
-                Ok(())
+                message.map_or(Ok(()), |message| hear(py, message))
             });
-            if let Err(error) = looked {
+            if let Err(error) = heard {
                 stop.store(true, Ordering::Relaxed);
                 return Err(error);
             }
-            if matches!(heard, Err(RecvTimeoutError::Disconnected)) {
+            if over {
                 return worker.join().map_err(|panic| panicked(&*panic));
             }
         }

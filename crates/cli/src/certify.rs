@@ -1,7 +1,8 @@
 //! `twinhub certify`: a schedule's proof, checked.
 
-use crate::design::{beside, bicycle, kind, stop_flag, stretches, told};
+use crate::design::{beside, bicycle, kind, told};
 use crate::exit::{self, bad_input};
+use crate::interrupt::on_ctrl_c;
 use anyhow::anyhow;
 use clap::Args;
 use indicatif::ProgressBar;
@@ -42,7 +43,7 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
         bad_input(anyhow!("{}: {e}; accepted: a proof of `twinhub design`", path.display()))
     })?;
     let parameters = bicycle(&certificate.plan.bicycle)?;
-    let stop = stop_flag()?;
+    let stop = on_ctrl_c()?;
     let bar = ProgressBar::new(certificate.pieces.len() as u64);
     let mut checked = check::check(&certificate, &parameters, &|done, _| {
         bar.set_position(done as u64);
@@ -83,7 +84,7 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
         println!(
             "holds: {} inequalities, proved {}",
             checked.inequalities,
-            stretches(&checked.proved_m_s)
+            check::in_words(&checked.proved_m_s)
         );
         println!(
             "  for {} ({} riders and boxes); between corners and nodes the bicycle is within {:.1e} of what was proved",

@@ -1,14 +1,14 @@
 //! `twinhub design`: schedules with their proof.
 
 use crate::exit::{bad_input, environment, interrupted};
+use crate::interrupt::on_ctrl_c;
 use crate::span::numbers;
 use anyhow::anyhow;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use twinhub_design::certificate::{Certificate, Entry, Plan};
 use twinhub_design::family::FactorBox;
 use twinhub_design::loops::Rider;
@@ -91,7 +91,7 @@ pub struct DesignArgs {
 pub fn run(args: &DesignArgs) -> anyhow::Result<ExitCode> {
     let plan = plan(args).map_err(bad_input)?;
     let parameters = bicycle(&plan.bicycle)?;
-    let stop = stop_flag()?;
+    let stop = on_ctrl_c()?;
     let bar = ProgressBar::new(0);
     bar.set_style(
         ProgressStyle::with_template("{msg} {bar:40} {pos}/{len}  {elapsed}")
@@ -148,14 +148,6 @@ pub fn bicycle(name: &str) -> anyhow::Result<Parameters> {
 /// The bicycle as the bench tells the controller.
 pub fn told(parameters: &Parameters) -> twinhub_control::Bicycle {
     twinhub_sim::bicycle::ResolvedBicycle::multibody(parameters.clone()).control()
-}
-
-/// A flag that Ctrl-C sets.
-pub fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
-    Ok(stop)
 }
 
 /// `law.toml` to `law.certificate.json`.
@@ -261,15 +253,6 @@ fn rider(text: &str) -> anyhow::Result<Rider> {
     })
 }
 
-/// Stretches of speed in words.
-pub fn stretches(proved_m_s: &[[f64; 2]]) -> String {
-    if proved_m_s.is_empty() {
-        return "nowhere".to_owned();
-    }
-    let parts: Vec<String> = proved_m_s.iter().map(|[a, b]| format!("{a} to {b} m/s")).collect();
-    parts.join(", ")
-}
-
 fn to_json(certificate: &Certificate) -> serde_json::Value {
     let nodes = |value: fn(&twinhub_design::certificate::Node) -> f64| -> Vec<f64> {
         (0..certificate.schedule.len())
@@ -294,7 +277,7 @@ fn to_json(certificate: &Certificate) -> serde_json::Value {
 fn print(certificate: &Certificate) {
     let plan = &certificate.plan;
     let proved = check::stretches(&certificate.schedule, &certificate.cells);
-    println!("{}: proved {}", plan.bicycle, stretches(&proved));
+    println!("{}: proved {}", plan.bicycle, check::in_words(&proved));
     println!("\n  speed    pair   tube            growth   after a loss   below it");
     println!("    m/s      Nm     Nm               1/s            1/s");
     for (k, point) in certificate.schedule.iter().enumerate() {

@@ -1,14 +1,15 @@
 //! `twinhub league` and `twinhub merge`: controllers against each other.
 
 use crate::exit::{self, bad_input, environment, interrupted};
+use crate::interrupt::on_ctrl_c;
 use crate::league_print::{print, to_json, to_page};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
+use std::sync::atomic::Ordering;
 use twinhub_control::Profile;
 use twinhub_league::spec::CONTROLLERS;
 use twinhub_league::{Class, Kept, League, LeagueError, Part, Spec, merge};
@@ -92,9 +93,7 @@ pub fn run(args: &LeagueArgs) -> anyhow::Result<ExitCode> {
     if left.len() < numbers.len() {
         eprintln!("{} of {} parts are in the file already", numbers.len() - left.len(), numbers.len());
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let stop = on_ctrl_c()?;
     let bar = ProgressBar::new(left.len() as u64);
     bar.set_style(
         ProgressStyle::with_template("{bar:40} {pos}/{len} riders  {elapsed}, {eta} to go")

@@ -13,6 +13,7 @@ mod doctor;
 mod exit;
 mod experiment;
 mod faults;
+mod interrupt;
 mod league;
 mod league_print;
 mod link_args;

@@ -1,6 +1,7 @@
 //! `twinhub ride`: the same course twice, stabilizer off and on.
 
 use crate::exit;
+use crate::interrupt::on_ctrl_c;
 use crate::link_args::{LinkArgs, Target};
 use crate::processes;
 use crate::streams::{self, Controller, CortexMArgs};
@@ -10,7 +11,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use twinhub_link::{ControllerPort, InProcess, Pacing, Rights, Timed, Timing, Waiting};
 use twinhub_sim::{Ending, Outcome, Progress, Ride, RideError, Settings};
@@ -85,9 +85,7 @@ pub fn run(args: &RideArgs) -> anyhow::Result<ExitCode> {
         true => None,
         false => Some(new_directory(&args.out, &ride.name).map_err(exit::environment)?),
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let stop = on_ctrl_c()?;
 
     let controller = controller(args)?;
     let mut runs = Vec::new();

@@ -5,6 +5,7 @@
 //! Processor time is what tells a leak or a slowdown from a busy machine.
 
 use crate::exit;
+use crate::interrupt::on_ctrl_c;
 use crate::link_args::LinkArgs;
 use crate::processes::{CONTROLLER, Job, PLANT, Report, reports, spawn, wait};
 use anyhow::{Context, anyhow};
@@ -13,7 +14,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::json;
 use std::process::{ExitCode, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -92,9 +92,7 @@ pub fn run(args: &SoakArgs) -> anyhow::Result<ExitCode> {
     // Longer than any soak: the clock ends it. The speed stays that of the last point.
     ride.course.duration_s = 1e9;
     ride.course.disturbance.clear();
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let stop = on_ctrl_c()?;
     let job = serde_json::to_string(&Job {
         link: format!("soak{}", std::process::id()),
         pacing: args.link.pacing().name().to_owned(),

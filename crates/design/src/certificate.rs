@@ -3,6 +3,7 @@
 use crate::DesignError;
 use crate::family::FactorBox;
 use crate::loops::{Gains, Rider};
+use crate::symmetric::full;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -128,26 +129,25 @@ impl Node {
         if n == 0 {
             return None;
         }
-        let mut p = DMatrix::zeros(n, n);
-        let mut k = 0;
-        for i in 0..n {
-            for j in i..n {
-                p[(i, j)] = self.lyapunov[k];
-                p[(j, i)] = self.lyapunov[k];
-                k += 1;
-            }
-        }
-        Some(p)
-    }
-
-    /// Upper triangle of a matrix by rows.
-    pub fn upper(p: &DMatrix<f64>) -> Vec<f64> {
-        let n = p.nrows();
-        (0..n).flat_map(|i| (i..n).map(move |j| (i, j))).map(|ij| p[ij]).collect()
+        Some(full(n, &self.lyapunov))
     }
 }
 
+/// Is every cell at node `k` proved?
+pub fn proved_at(cells: &[bool], k: usize) -> bool {
+    (k == 0 || cells[k - 1]) && (k == cells.len() || cells[k])
+}
+
 impl Plan {
+    /// Every rider with every box, in the order of the pieces.
+    pub fn boxes(&self) -> Vec<(usize, FactorBox)> {
+        let of = |(rider, entry): (usize, &Entry)| {
+            let boxes = self.uncertainty.split(entry.parts);
+            boxes.into_iter().map(move |b| (rider, b))
+        };
+        self.riders.iter().enumerate().flat_map(of).collect()
+    }
+
     /// The first rule that the plan breaks.
     ///
     /// # Errors

@@ -11,12 +11,11 @@
 //! the parabola and the mean of the corners; how far it is from that is measured and reported.
 
 use crate::DesignError;
-use crate::certificate::{Certificate, Piece, Point, SCHEMA_VERSION};
-use crate::family::{Factors, Family};
-use crate::loops::Gains;
-use crate::march::worst;
+use crate::certificate::{Certificate, Piece, Point, SCHEMA_VERSION, proved_at};
+use crate::family::{Family, Member};
+use crate::loops::{Gains, worst_growth_per_s};
 use crate::plan::{family, friction_cap_nm};
-use crate::proof::{At, Bicycles, cell, loops};
+use crate::proof::{At, Bicycles, Cell};
 use nalgebra::DMatrix;
 use serde::Serialize;
 use twinhub_plant::multibody::Parameters;
@@ -118,14 +117,9 @@ fn shape(certificate: &Certificate, wrong: &mut Vec<String>) {
     if speeds != plan.speeds_m_s || certificate.cells.len() + 1 != count {
         wrong.push("schedule and cells do not fit the speeds of the plan".to_owned());
     }
-    let mut expected = plan.riders.iter().enumerate().flat_map(|(rider, entry)| {
-        let boxes = plan.uncertainty.split(entry.parts);
-        boxes.into_iter().map(move |b| (rider, b))
-    });
-    let fits = certificate.pieces.iter().all(|piece| {
-        expected.next() == Some((piece.rider, piece.factors)) && piece.nodes.len() == count
-    });
-    if !fits || expected.next().is_some() {
+    let pieces: Vec<_> = certificate.pieces.iter().map(|p| (p.rider, p.factors)).collect();
+    let whole = certificate.pieces.iter().all(|piece| piece.nodes.len() == count);
+    if pieces != plan.boxes() || !whole {
         wrong.push("the boxes do not fill the declared uncertainty for every rider".to_owned());
     }
 }
@@ -159,13 +153,12 @@ fn check_piece(
         }
         let nodes = [&piece.nodes[k], &piece.nodes[k + 1]];
         let points = [&certificate.schedule[k], &certificate.schedule[k + 1]];
-        let mut closed = Vec::new();
+        let mut ends = Vec::new();
         for (node, point) in nodes.iter().zip(points) {
-            let vehicles = bicycles.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
-            closed.push(loops(rider, &vehicles, &node.gains));
+            ends.push(At::new(rider, &bicycles, point, &node.gains)?);
             if point.torque_nm > 0.0 {
-                let alone = loops(rider, &bicycles.alone(point.speed_m_s)?, &node.gains);
-                let loss = worst(&alone);
+                let alone = rider.close_all(&bicycles.alone(point.speed_m_s)?, &node.gains);
+                let loss = worst_growth_per_s(&alone);
                 if loss > plan.loss_growth_per_s + 1e-6 {
                     wrong.push(format!(
                         "{}: after a loss of the pair growth is {loss:.3} 1/s",
@@ -174,7 +167,8 @@ fn check_piece(
                 }
             }
         }
-        let size = closed[0].first().map_or(0, |l| l.a.nrows());
+        let ends = [&ends[0], &ends[1]];
+        let size = ends[0].loops.first().map_or(0, |l| l.a.nrows());
         let matrices: Vec<DMatrix<f64>> = nodes
             .iter()
             .filter_map(|n| n.matrix())
@@ -184,16 +178,11 @@ fn check_piece(
             wrong.push(format!("{}: a Lyapunov matrix is missing", place(k)));
             continue;
         };
-        let at = |i: usize, p| At {
-            point: points[i],
-            gains: &nodes[i].gains,
-            loops: &closed[i],
-            p,
-        };
-        if !cell(rider, &bicycles, [&at(0, first), &at(1, second)], plan.rate_m_s2)? {
+        let cell = Cell::new(rider, &bicycles, ends)?;
+        if !cell.is_proved(ends, [first, second], plan.rate_m_s2) {
             wrong.push(format!("{}: the inequality does not hold", place(k)));
         }
-        count += 8 * closed[0].len();
+        count += 8 * ends[0].loops.len();
     }
     Ok(count)
 }
@@ -204,9 +193,7 @@ fn check_schedule(certificate: &Certificate, parameters: &Parameters, wrong: &mu
     let cap_nm = friction_cap_nm(plan, parameters).min(plan.torque_max_nm);
     for (k, p) in points.iter().enumerate() {
         let ends = k == 0 || k + 1 == points.len();
-        let proved = (k == 0 || certificate.cells[k - 1])
-            && (k == certificate.cells.len() || certificate.cells[k]);
-        if p.torque_nm > 0.0 && (ends || !proved) {
+        if p.torque_nm > 0.0 && (ends || !proved_at(&certificate.cells, k)) {
             wrong.push(format!(
                 "{} Nm at {} m/s, where nothing is proved",
                 p.torque_nm, p.speed_m_s
@@ -247,6 +234,15 @@ pub fn stretches(points: &[Point], cells: &[bool]) -> Vec<[f64; 2]> {
     found
 }
 
+/// Stretches of speed in words.
+pub fn in_words(stretches_m_s: &[[f64; 2]]) -> String {
+    if stretches_m_s.is_empty() {
+        return "nowhere".to_owned();
+    }
+    let parts: Vec<String> = stretches_m_s.iter().map(|[a, b]| format!("{a} to {b} m/s")).collect();
+    parts.join(", ")
+}
+
 /// How far the state matrix is from what lies between corners and nodes, at worst over the first
 /// rider's boxes: in the middle of the box, and at a quarter of the cell.
 fn interpolation(certificate: &Certificate, family: &Family) -> Result<f64, DesignError> {
@@ -255,16 +251,18 @@ fn interpolation(certificate: &Certificate, family: &Family) -> Result<f64, Desi
     let none: Gains = [0.0; 4];
     let mut worst: f64 = 0.0;
     for piece in certificate.pieces.iter().filter(|p| p.rider == 0) {
-        let corners = piece.factors.corners();
-        let matrix = |factors: &Factors, v: f64, t: f64| -> Result<DMatrix<f64>, DesignError> {
-            Ok(rider.close(&family.member(factors)?.at(v, t)?, &none).a)
+        let middle = family.member(&piece.factors.middle())?;
+        let corners: Result<Vec<Member>, _> =
+            piece.factors.corners().iter().map(|f| family.member(f)).collect();
+        let corners = corners?;
+        let matrix = |member: &Member, v: f64, t: f64| -> Result<DMatrix<f64>, DesignError> {
+            Ok(rider.close(&member.at(v, t)?, &none).a)
         };
         for (pair, proved) in certificate.schedule.windows(2).zip(&certificate.cells) {
             if !proved {
                 continue;
             }
             let [p, q] = [pair[0], pair[1]];
-            let middle = piece.factors.middle();
             let (v, t) = (p.speed_m_s, p.torque_nm);
             let true_one = matrix(&middle, v, t)?;
             let mut mean = DMatrix::zeros(true_one.nrows(), true_one.ncols());
@@ -279,9 +277,9 @@ fn interpolation(certificate: &Certificate, family: &Family) -> Result<f64, Desi
                     t + s * (q.torque_nm - t),
                 )
             };
-            let (a0, am, a1) = (between(0.0)?, between(0.5)?, between(1.0)?);
+            let (a0, am, a1) = (&true_one, between(0.5)?, between(1.0)?);
             let s = 0.25;
-            let parabola = &a0 * ((1.0 - s) * (1.0 - 2.0 * s))
+            let parabola = a0 * ((1.0 - s) * (1.0 - 2.0 * s))
                 + &am * (4.0 * s * (1.0 - s))
                 + &a1 * (s * (2.0 * s - 1.0));
             worst = worst.max((between(s)? - parabola).amax() / true_one.amax());

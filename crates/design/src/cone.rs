@@ -19,6 +19,7 @@
 
 use crate::DesignError;
 use crate::loops::Loop;
+use crate::symmetric::{full, places};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT,
@@ -224,14 +225,10 @@ fn program(
     let mut cones: Vec<SupportedConeT<f64>> = Vec::new();
     rows.push(core::iter::once((t, 1.0)), 1.2 * goal);
     if reach < FAR {
-        let mut k = 0;
-        for a in 0..n {
-            for b in a..n {
-                let here = if a == b { 1.0 } else { 0.0 };
-                rows.push(core::iter::once((k, 1.0)), here + reach);
-                rows.push(core::iter::once((k, -1.0)), reach - here);
-                k += 1;
-            }
+        for (k, (a, b)) in places(n).enumerate() {
+            let here = if a == b { 1.0 } else { 0.0 };
+            rows.push(core::iter::once((k, 1.0)), here + reach);
+            rows.push(core::iter::once((k, -1.0)), reach - here);
         }
     }
     cones.push(NonnegativeConeT(rows.b.len()));
@@ -246,17 +243,13 @@ fn program(
         let cu = &local.c * ux;
         let entry = |i: usize, j: usize| -> (Vec<(usize, f64)>, f64) {
             let mut terms = Vec::with_capacity(count + 3);
-            let mut k = 0;
-            for a in 0..n {
-                for b in a..n {
-                    let mut x = ux[(a, i)] * y[(b, j)] + ux[(a, j)] * y[(b, i)];
-                    if a != b {
-                        x += ux[(b, i)] * y[(a, j)] + ux[(b, j)] * y[(a, i)];
-                    }
-                    // M holds -x p: the row holds b - A x.
-                    terms.push((k, x));
-                    k += 1;
+            for (k, (a, b)) in places(n).enumerate() {
+                let mut x = ux[(a, i)] * y[(b, j)] + ux[(a, j)] * y[(b, i)];
+                if a != b {
+                    x += ux[(b, i)] * y[(a, j)] + ux[(b, j)] * y[(a, i)];
                 }
+                // M holds -x p: the row holds b - A x.
+                terms.push((k, x));
             }
             let tt: f64 = (0..n).map(|a| ux[(a, i)] * ux[(a, j)]).sum();
             terms.push((t, tt));
@@ -311,16 +304,7 @@ fn program(
     ) {
         return Ok(None);
     }
-    let x = &solver.solution.x;
-    let mut p = DMatrix::zeros(n, n);
-    let mut k = 0;
-    for a in 0..n {
-        for b in a..n {
-            p[(a, b)] = x[k];
-            p[(b, a)] = x[k];
-            k += 1;
-        }
-    }
+    let p = full(n, &solver.solution.x);
     Ok(p.iter().all(|v| v.is_finite()).then_some(p))
 }
 

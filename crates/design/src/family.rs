@@ -70,14 +70,13 @@ impl FactorBox {
 
     /// The box cut into `parts` along mass, load and twisting: evenly, twisting by equal ratios.
     pub fn split(&self, parts: [usize; 3]) -> Vec<Self> {
-        let even = |[a, b]: [f64; 2], n: usize| -> Vec<[f64; 2]> {
-            let at = |i: usize| a + (b - a) * i as f64 / n as f64;
-            (0..n).map(|i| [at(i), if i + 1 == n { b } else { at(i + 1) }]).collect()
+        // The last part ends where the whole does, whatever the rounding.
+        let cut = |n: usize, end: f64, at: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
+            let at = |i: usize| at(i as f64);
+            (0..n).map(|i| [at(i), if i + 1 == n { end } else { at(i + 1) }]).collect()
         };
-        let ratio = |[a, b]: [f64; 2], n: usize| -> Vec<[f64; 2]> {
-            let at = |i: usize| a * libm::pow(b / a, i as f64 / n as f64);
-            (0..n).map(|i| [at(i), if i + 1 == n { b } else { at(i + 1) }]).collect()
-        };
+        let even = |[a, b]: [f64; 2], n: usize| cut(n, b, &|i| a + (b - a) * i / n as f64);
+        let ratio = |[a, b]: [f64; 2], n: usize| cut(n, b, &|i| a * libm::pow(b / a, i / n as f64));
         let mut boxes = Vec::new();
         for mass in even(self.mass, parts[0]) {
             for load in even(self.load, parts[1]) {

@@ -13,7 +13,7 @@
 //! Checked by: the growth rates that a certificate reports.
 
 use crate::family::Vehicle;
-use crate::loops::{Gains, Rider, growth_per_s};
+use crate::loops::{Gains, Rider, worst_growth_per_s};
 use twinhub_plant::rider::design::simplex;
 
 /// Starts where there is no neighbour.
@@ -27,10 +27,7 @@ const STARTS: [Gains; 3] = [
 pub fn gains(rider: &Rider, vehicles: &[Vehicle], neighbour: Option<&Gains>) -> (Gains, f64) {
     let growth = |k: &[f64]| {
         let gains: Gains = [k[0], k[1], k[2], k[3]];
-        vehicles
-            .iter()
-            .map(|v| growth_per_s(&rider.close(v, &gains)))
-            .fold(f64::NEG_INFINITY, f64::max)
+        worst_growth_per_s(&rider.close_all(vehicles, &gains))
     };
     let starts: Vec<Gains> = neighbour.map_or_else(|| STARTS.to_vec(), |g| vec![*g]);
     let size = if neighbour.is_some() {

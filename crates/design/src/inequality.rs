@@ -22,19 +22,19 @@ use crate::loops::Loop;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
 
 /// One corner and edge along a cell.
-#[derive(Clone, Debug)]
-pub struct Along {
-    /// The loop at the node where the speed is lower or higher: the first.
-    pub first: Loop,
+#[derive(Clone, Copy, Debug)]
+pub struct Along<'a> {
+    /// The loop at the first node.
+    pub first: &'a Loop,
     /// Halfway.
-    pub middle: Loop,
+    pub middle: &'a Loop,
     /// At the second node.
-    pub second: Loop,
+    pub second: &'a Loop,
 }
 
 /// Is the inequality proved along the cell, rounding included?
 pub fn proved(
-    along: &Along,
+    along: &Along<'_>,
     p: [&DMatrix<f64>; 2],
     rate_m_s2: f64,
     cell_m_s: f64,
@@ -58,7 +58,7 @@ pub fn proved(
         ]
     };
     let drift = (p[1] - p[0]) * (rate_m_s2 / cell_m_s);
-    let ends = [&along.first, &along.second];
+    let ends = [along.first, along.second];
     let input = |l: &Loop| {
         let entries = l.b.iter().zip(&scale).map(|(b, s)| (b / s) * (b / s));
         libm::sqrt(entries.sum::<f64>())
@@ -164,19 +164,21 @@ mod tests {
         }
     }
 
-    fn along(first: f64, middle: f64, second: f64, b: f64, c: f64) -> Along {
-        Along {
-            first: scalar(first, b, c),
-            middle: scalar(middle, b, c),
-            second: scalar(second, b, c),
-        }
+    fn along(a: [f64; 3], b: f64, c: f64, p: [&DMatrix<f64>; 2], rate_m_s2: f64) -> bool {
+        let [first, middle, second] = &a.map(|a| scalar(a, b, c));
+        let along = Along {
+            first,
+            middle,
+            second,
+        };
+        proved(&along, p, rate_m_s2, 1.0)
     }
 
     #[test]
     fn a_scalar_loop_is_proved_up_to_its_own_limit() {
         // x' = -a x + w, |w| <= |c x|: falls with P = c iff a > c.
         let p = DMatrix::from_element(1, 1, 1.0);
-        let steady = |a: f64| proved(&along(-a, -a, -a, 1.0, 1.0), [&p, &p], 0.0, 1.0);
+        let steady = |a: f64| along([-a; 3], 1.0, 1.0, [&p, &p], 0.0);
         assert!(steady(1.0 + 1e-9));
         assert!(!steady(1.0 - 1e-9));
         assert!(!steady(1.0), "on the limit nothing is proved");
@@ -185,15 +187,15 @@ mod tests {
     #[test]
     fn a_bump_between_the_nodes_is_seen() {
         let p = DMatrix::from_element(1, 1, 1.0);
-        assert!(proved(&along(-2.0, -2.0, -2.0, 0.1, 0.1), [&p, &p], 0.0, 1.0));
-        assert!(!proved(&along(-2.0, 0.5, -2.0, 0.1, 0.1), [&p, &p], 0.0, 1.0));
+        assert!(along([-2.0; 3], 0.1, 0.1, [&p, &p], 0.0));
+        assert!(!along([-2.0, 0.5, -2.0], 0.1, 0.1, [&p, &p], 0.0));
     }
 
     #[test]
     fn the_rate_of_speed_counts_in_both_directions() {
         let (p, q) = (DMatrix::from_element(1, 1, 1.0), DMatrix::from_element(1, 1, 2.0));
         let ok = |rate: f64, p: [&DMatrix<f64>; 2]| {
-            proved(&along(-1.0, -1.0, -1.0, 0.1, 0.1), p, rate, 1.0)
+            along([-1.0; 3], 0.1, 0.1, p, rate)
         };
         // V' = (-2 p ± r dp/dv) x²: p from 1 to 2 over 1 m/s.
         assert!(ok(1.9, [&p, &q]) && !ok(2.1, [&p, &q]));

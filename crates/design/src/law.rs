@@ -9,7 +9,7 @@
 
 use crate::DesignError;
 use crate::certificate::{Certificate, Point};
-
+use crate::check::{in_words, stretches};
 use twinhub_control::{
     Bicycle, Certificate as Tube, Config, Law, Limits, Point as LawPoint, Profile, Schedule,
     law::Scheduled,
@@ -117,15 +117,7 @@ pub fn file(certificate: &Certificate, bicycle: &Bicycle) -> Result<String, Desi
     let config = config(certificate, bicycle)?;
     let text = toml::to_string(&config).map_err(|e| DesignError::Plan(e.to_string()))?;
     let plan = &certificate.plan;
-    let stretches: Vec<String> = crate::check::stretches(&certificate.schedule, &certificate.cells)
-        .iter()
-        .map(|[from, to]| format!("{from} to {to}"))
-        .collect();
-    let proved = if stretches.is_empty() {
-        "nowhere".to_owned()
-    } else {
-        format!("{} m/s", stretches.join(", "))
-    };
+    let proved = in_words(&stretches(&certificate.schedule, &certificate.cells));
     let riders: Vec<&str> = plan.riders.iter().map(|e| e.rider.name.as_str()).collect();
     Ok(format!(
         "# Made by twinhub design for {}; riders {}; proved {proved}.\n\

@@ -20,6 +20,7 @@ pub mod proof;
 pub mod schedule;
 pub mod start;
 pub mod stops;
+pub mod symmetric;
 
 pub use certificate::{Certificate, Plan};
 pub use oracle::{Oracle, OracleError, Road};

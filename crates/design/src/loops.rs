@@ -104,6 +104,18 @@ impl Rider {
 }
 
 
+impl Rider {
+    /// The loops that this rider closes with `gains` on each of these.
+    pub fn close_all(&self, vehicles: &[Vehicle], gains: &Gains) -> Vec<Loop> {
+        vehicles.iter().map(|v| self.close(v, gains)).collect()
+    }
+}
+
+/// Largest growth rate of these loops, as [`growth_per_s`].
+pub fn worst_growth_per_s(loops: &[Loop]) -> f64 {
+    loops.iter().map(growth_per_s).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Largest growth rate of the loop with the Padé approximant alone, 1/s; infinite if the eigenvalues
 /// are not found.
 pub fn growth_per_s(closed: &Loop) -> f64 {

@@ -7,9 +7,10 @@ use crate::certificate::{Node, Piece, Plan, Point};
 use crate::cone::{Climbed, climb_until};
 use crate::family::{FactorBox, Family};
 use crate::gains::gains;
-use crate::loops::{Gains, Loop, Rider, growth_per_s};
-use crate::proof::{At, Bicycles, cell, loops};
+use crate::loops::{Loop, worst_growth_per_s};
+use crate::proof::{At, Bicycles, Cell};
 use crate::start::from_scratch;
+use crate::symmetric::upper;
 use nalgebra::DMatrix;
 
 /// Margin at which a climb from nothing ends, 1/s: what the next nodes live on.
@@ -62,31 +63,40 @@ pub fn march(
         let point = &schedule[k];
         changed |= before.is_none_or(|(points, _)| points[k] != *point);
         let known = before.filter(|_| !changed).map(|(_, piece)| &piece.nodes[k]);
-        let mut found = node(who, [&bicycles, &wider], point, last.as_ref(), known)?;
-        if known.is_none() && !over && worst(&found.wider) < 0.0 {
-            let (p, close) = match &last {
-                Some(upper) => near(who, &bicycles, &found, upper, plan.rate_m_s2)?,
-                None => (None, true),
-            };
-            found.p = match p {
-                None if close => lyapunov_matrix(&found.wider),
-                p => p,
-            };
+        let (at, wider) = match known {
+            Some(known) => (At::new(who, &bicycles, point, &known.gains)?, Vec::new()),
+            None => {
+                let around = wider.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
+                let (gains, _) = gains(who, &around, last.as_ref().map(|l| &l.at.gains));
+                (At::new(who, &bicycles, point, &gains)?, who.close_all(&around, &gains))
+            }
+        };
+        let above = match &last {
+            Some(Found { at: upper, p: Some(p) }) => Some(Above {
+                cell: Cell::new(who, &bicycles, [&at, upper])?,
+                at: upper,
+                p,
+                rate_m_s2: plan.rate_m_s2,
+            }),
+            _ => None,
+        };
+        let p = match known {
+            Some(known) => known.matrix(),
+            None if over || worst_growth_per_s(&wider) >= 0.0 => None,
+            None => search(&wider, &at, above.as_ref(), last.is_none())?,
+        };
+        over |= p.is_none();
+        if let (Some(p), Some(above)) = (&p, &above) {
+            cells[k] = above.proves(&at, p);
         }
-        over |= found.p.is_none();
-        if let (Some(p), Some(upper)) = (&found.p, &last)
-            && let Some(above) = &upper.p
-        {
-            cells[k] = cell(who, &bicycles, [&found.at(p), &upper.at(above)], plan.rate_m_s2)?;
-        }
-        let alone = loops(who, &bicycles.alone(point.speed_m_s)?, &found.gains);
+        let alone = who.close_all(&bicycles.alone(point.speed_m_s)?, &at.gains);
         nodes[k] = Some(Node {
-            gains: found.gains,
-            growth_per_s: worst(&found.loops),
-            loss_growth_per_s: worst(&alone),
-            lyapunov: found.p.as_ref().map_or_else(Vec::new, Node::upper),
+            gains: at.gains,
+            growth_per_s: worst_growth_per_s(&at.loops),
+            loss_growth_per_s: worst_growth_per_s(&alone),
+            lyapunov: p.as_ref().map_or_else(Vec::new, upper),
         });
-        last = Some(found);
+        last = Some(Found { at, p });
     }
     Ok(Marched {
         piece: Piece {
@@ -98,43 +108,65 @@ pub fn march(
     })
 }
 
+struct Found {
+    at: At,
+    p: Option<DMatrix<f64>>,
+}
+
+/// The node above, with a matrix, and the cell up to it.
+struct Above<'a> {
+    cell: Cell,
+    at: &'a At,
+    p: &'a DMatrix<f64>,
+    rate_m_s2: f64,
+}
+
+impl Above<'_> {
+    fn proves(&self, at: &At, p: &DMatrix<f64>) -> bool {
+        self.cell.is_proved([at, self.at], [p, self.p], self.rate_m_s2)
+    }
+}
+
+/// A Lyapunov matrix for a node: near that of the node above, else from nothing at the `first` node and
+/// where one was close.
+fn search(
+    wider: &[Loop],
+    at: &At,
+    above: Option<&Above<'_>>,
+    first: bool,
+) -> Result<Option<DMatrix<f64>>, DesignError> {
+    let (p, close) = match above {
+        Some(above) => near(wider, at, above)?,
+        None => (None, first),
+    };
+    Ok(match p {
+        None if close => lyapunov_matrix(wider),
+        p => p,
+    })
+}
+
 /// A Lyapunov matrix near that of the node above: one that proves the cell between them, if the climb
 /// comes by one; else the best for the node alone. And where there is none: was one close?
 fn near(
-    rider: &Rider,
-    bicycles: &Bicycles,
-    found: &Found,
-    upper: &Found,
-    rate_m_s2: f64,
+    wider: &[Loop],
+    at: &At,
+    above: &Above<'_>,
 ) -> Result<(Option<DMatrix<f64>>, bool), DesignError> {
-    let Some(above) = &upper.p else {
-        return Ok((None, false));
-    };
-    let second = upper.at(above);
     let mut best: Option<Climbed> = None;
     for reach in REACHES {
         let mut proving: Option<DMatrix<f64>> = None;
-        let mut failed = None;
-        let climbed = climb_until(&found.wider, above, GOAL_PER_S, reach, &mut |p, margin| {
+        let climbed = climb_until(wider, above.p, GOAL_PER_S, reach, &mut |p, margin| {
             if margin <= 0.0 {
                 return false;
             }
-            match cell(rider, bicycles, [&found.at(p), &second], rate_m_s2) {
-                Ok(true) => {
-                    proving = Some(p.clone());
-                    margin >= RESERVE_PER_S
-                }
+            if above.proves(at, p) {
+                proving = Some(p.clone());
+                margin >= RESERVE_PER_S
+            } else {
                 // Too far from the node above: further away it is no better.
-                Ok(false) => proving.is_some(),
-                Err(error) => {
-                    failed = Some(error);
-                    true
-                }
+                proving.is_some()
             }
         })?;
-        if let Some(error) = failed {
-            return Err(error);
-        }
         if proving.is_some() {
             return Ok((proving, true));
         }
@@ -146,64 +178,10 @@ fn near(
     Ok((best.filter(|b| b.margin_per_s > 0.0).map(|b| b.p), close))
 }
 
-struct Found {
-    point: Point,
-    gains: Gains,
-    /// At the corners of the box.
-    loops: Vec<Loop>,
-    /// At those of the wider one in which a matrix is looked for; empty if it is known.
-    wider: Vec<Loop>,
-    p: Option<DMatrix<f64>>,
-}
-
-impl Found {
-    fn at<'a>(&'a self, p: &'a DMatrix<f64>) -> At<'a> {
-        At {
-            point: &self.point,
-            gains: &self.gains,
-            loops: &self.loops,
-            p,
-        }
-    }
-}
-
-fn node(
-    rider: &Rider,
-    [bicycles, wider]: [&Bicycles; 2],
-    point: &Point,
-    last: Option<&Found>,
-    known: Option<&Node>,
-) -> Result<Found, DesignError> {
-    let vehicles = bicycles.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
-    if let Some(known) = known {
-        return Ok(Found {
-            point: *point,
-            gains: known.gains,
-            loops: loops(rider, &vehicles, &known.gains),
-            wider: Vec::new(),
-            p: known.matrix(),
-        });
-    }
-    let around = wider.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
-    let (found, _) = gains(rider, &around, last.map(|l| &l.gains));
-    Ok(Found {
-        point: *point,
-        gains: found,
-        loops: loops(rider, &vehicles, &found),
-        wider: loops(rider, &around, &found),
-        p: None,
-    })
-}
-
 /// One Lyapunov matrix for these loops, from nothing.
 pub fn lyapunov_matrix(closed: &[Loop]) -> Option<DMatrix<f64>> {
     from_scratch(closed, GOAL_PER_S)
         .ok()
         .filter(|c| c.margin_per_s > 0.0)
         .map(|c| c.p)
-}
-
-/// Largest growth rate of these loops, 1/s.
-pub fn worst(loops: &[Loop]) -> f64 {
-    loops.iter().map(growth_per_s).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -14,14 +14,15 @@
 //! Checked by: `check`, which trusts none of this.
 
 use crate::DesignError;
-use crate::certificate::{Certificate, Piece, Plan, Point, SCHEMA_VERSION};
-use crate::family::{FactorBox, Factors, Family, Vehicle};
+use crate::certificate::{Certificate, Piece, Plan, Point, SCHEMA_VERSION, proved_at};
+use crate::family::{Factors, Family, Vehicle};
 use crate::gains::gains;
 use crate::loops::{Gains, growth_per_s};
 use crate::march::{Marched, march};
 use crate::schedule::largest;
 use crate::stops::stops;
-use std::sync::Mutex;
+use rayon::prelude::*;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use twinhub_plant::multibody::Parameters;
 
@@ -98,17 +99,10 @@ pub fn run(
     for cap in &mut caps {
         *cap = cap.min(friction_nm).min(plan.torque_max_nm);
     }
-    let boxes: Vec<(usize, FactorBox)> = plan
-        .riders
-        .iter()
-        .enumerate()
-        .flat_map(|(i, entry)| {
-            let boxes = plan.uncertainty.split(entry.parts);
-            boxes.into_iter().map(move |b| (i, b))
-        })
-        .collect();
+    let boxes = plan.boxes();
     let mut before: Option<(Vec<Point>, Vec<Marched>)> = None;
-    for pass in 0.. {
+    let mut pass = 0;
+    loop {
         let schedule = tube(plan, &largest(speeds, &caps, plan.slope_nm_per_m_s)?);
         let stopped = || !watch(Progress { doing: "proof", done: 0, of: 0 });
         let marched = parallel(boxes.len(), "proof", watch, &|k, go_on| {
@@ -127,7 +121,7 @@ pub fn run(
             if torque_nm <= 0.0 {
                 continue;
             }
-            let proved = (k == 0 || cells[k - 1]) && (k == cells.len() || cells[k]);
+            let proved = proved_at(&cells, k);
             let loss = marched
                 .iter()
                 .map(|m| m.piece.nodes[k].loss_growth_per_s)
@@ -155,9 +149,10 @@ pub fn run(
                 stops,
             });
         }
+        // Caps only fall, in the end to zero: it settles.
         before = Some((schedule, marched));
+        pass += 1;
     }
-    Err(DesignError::Solver("the schedule does not settle".to_owned()))
 }
 
 /// The tube around a schedule.
@@ -228,52 +223,28 @@ fn parallel<T: Send>(
     watch: &(dyn Fn(Progress) -> bool + Sync),
     work: &(dyn Fn(usize, &(dyn Fn() -> bool + Sync)) -> Result<T, DesignError> + Sync),
 ) -> Result<Vec<T>, DesignError> {
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results: Mutex<Vec<Option<Result<T, DesignError>>>> =
-        Mutex::new((0..count).map(|_| None).collect());
-    let failed = || lock(&results).iter().any(|r| matches!(r, Some(Err(_))));
+    let done = AtomicUsize::new(0);
+    // What ends the others comes first.
+    let failed: OnceLock<DesignError> = OnceLock::new();
     let go_on = || {
         let done = done.load(Ordering::Relaxed);
         watch(Progress {
             doing,
             done,
             of: count,
-        }) && !failed()
+        }) && failed.get().is_none()
     };
-    let cores = std::thread::available_parallelism().map_or(1, core::num::NonZero::get);
-    std::thread::scope(|scope| {
-        for _ in 0..cores.min(count) {
-            scope.spawn(|| {
-                loop {
-                    let k = next.fetch_add(1, Ordering::Relaxed);
-                    if k >= count || failed() {
-                        break;
-                    }
-                    let result = work(k, &go_on);
-                    lock(&results)[k] = Some(result);
-                    done.fetch_add(1, Ordering::Relaxed);
-                }
-            });
+    let one = |k: usize| {
+        if failed.get().is_some() {
+            return None;
         }
-    });
-    let results = match results.into_inner() {
-        Ok(results) => results,
-        Err(poisoned) => poisoned.into_inner(),
+        let result = work(k, &go_on);
+        done.fetch_add(1, Ordering::Relaxed);
+        result.map_err(|error| failed.set(error)).ok()
     };
-    let error = results
-        .iter()
-        .flatten()
-        .filter_map(|r| r.as_ref().err())
-        .min_by_key(|e| matches!(e, DesignError::Stopped));
-    if let Some(error) = error {
-        return Err(error.clone());
-    }
-    Ok(results.into_iter().flatten().filter_map(Result::ok).collect())
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    match mutex.lock() {
-        Ok(guard) => guard,
-        Err(poisoned) => poisoned.into_inner(),
+    let found: Vec<Option<T>> = (0..count).into_par_iter().with_max_len(1).map(one).collect();
+    match failed.into_inner() {
+        Some(error) => Err(error),
+        None => Ok(found.into_iter().flatten().collect()),
     }
 }

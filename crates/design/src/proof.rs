@@ -53,53 +53,81 @@ impl Bicycles {
     }
 }
 
-/// The loops of `rider` with `gains` on these bicycles.
-pub fn loops(rider: &Rider, vehicles: &[Vehicle], gains: &Gains) -> Vec<Loop> {
-    vehicles.iter().map(|v| rider.close(v, gains)).collect()
-}
-
-/// What is known at a node.
-pub struct At<'a> {
+/// A rider's node: where it is, and the loops at corners and edges.
+pub struct At {
     /// Schedule and tube.
-    pub point: &'a Point,
+    pub point: Point,
     /// Gains.
-    pub gains: &'a Gains,
+    pub gains: Gains,
     /// Loops at corners and edges.
-    pub loops: &'a [Loop],
-    /// The Lyapunov matrix.
-    pub p: &'a DMatrix<f64>,
+    pub loops: Vec<Loop>,
 }
 
-/// Is a cell between two nodes proved for one rider and box?
-///
-/// # Errors
-/// If there is no steady state in its middle.
-pub fn cell(
-    rider: &Rider,
-    bicycles: &Bicycles,
-    [first, second]: [&At<'_>; 2],
-    rate_m_s2: f64,
-) -> Result<bool, DesignError> {
-    let mean = |a: f64, b: f64| 0.5 * (a + b);
-    let speed_m_s = mean(first.point.speed_m_s, second.point.speed_m_s);
-    let edges_nm = [
-        mean(first.point.from_nm, second.point.from_nm),
-        mean(first.point.to_nm, second.point.to_nm),
-    ];
-    let gains: Gains = core::array::from_fn(|k| mean(first.gains[k], second.gains[k]));
-    let middle = loops(rider, &bicycles.at(speed_m_s, edges_nm)?, &gains);
-    let width_m_s = (second.point.speed_m_s - first.point.speed_m_s).abs();
-    Ok(first
-        .loops
-        .iter()
-        .zip(&middle)
-        .zip(second.loops)
-        .all(|((first_loop, middle), second_loop)| {
+impl At {
+    /// The node of `rider` with `gains` on these bicycles.
+    ///
+    /// # Errors
+    /// If there is no steady state there.
+    pub fn new(
+        rider: &Rider,
+        bicycles: &Bicycles,
+        point: &Point,
+        gains: &Gains,
+    ) -> Result<Self, DesignError> {
+        let vehicles = bicycles.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
+        Ok(Self {
+            point: *point,
+            gains: *gains,
+            loops: rider.close_all(&vehicles, gains),
+        })
+    }
+}
+
+/// What lies between two nodes.
+pub struct Cell {
+    /// Loops halfway, at corners and edges.
+    middle: Vec<Loop>,
+    width_m_s: f64,
+}
+
+impl Cell {
+    /// Between these nodes, for one rider and box.
+    ///
+    /// # Errors
+    /// If there is no steady state in its middle.
+    pub fn new(
+        rider: &Rider,
+        bicycles: &Bicycles,
+        [first, second]: [&At; 2],
+    ) -> Result<Self, DesignError> {
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        let speed_m_s = mean(first.point.speed_m_s, second.point.speed_m_s);
+        let edges_nm = [
+            mean(first.point.from_nm, second.point.from_nm),
+            mean(first.point.to_nm, second.point.to_nm),
+        ];
+        let gains: Gains = core::array::from_fn(|k| mean(first.gains[k], second.gains[k]));
+        Ok(Self {
+            middle: rider.close_all(&bicycles.at(speed_m_s, edges_nm)?, &gains),
+            width_m_s: (second.point.speed_m_s - first.point.speed_m_s).abs(),
+        })
+    }
+
+    /// Is it proved by these Lyapunov matrices at its nodes?
+    pub fn is_proved(
+        &self,
+        [first, second]: [&At; 2],
+        p: [&DMatrix<f64>; 2],
+        rate_m_s2: f64,
+    ) -> bool {
+        let ends = first.loops.iter().zip(&second.loops);
+        ends.zip(&self.middle).all(|((first, second), middle)| {
             let along = Along {
-                first: first_loop.clone(),
-                middle: middle.clone(),
-                second: second_loop.clone(),
+                first,
+                middle,
+                second,
             };
-            proved(&along, [first.p, second.p], rate_m_s2, width_m_s)
-        }))
+            proved(&along, p, rate_m_s2, self.width_m_s)
+        })
+    }
 }

@@ -23,41 +23,42 @@ use nalgebra::{DMatrix, DVector};
 /// If the mean loop is not stable, or the solver refuses a program.
 pub fn from_scratch(loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignError> {
     let share = 1.0 / loops.len() as f64;
-    let mut mean = loops[0].clone();
-    mean.a.fill(0.0);
-    mean.b.fill(0.0);
-    mean.c.fill(0.0);
-    for closed in loops {
-        mean.a += &closed.a * share;
-        mean.b += &closed.b * share;
-        mean.c += &closed.c * share;
-    }
+    let nothing = Loop {
+        a: &loops[0].a * 0.0,
+        b: &loops[0].b * 0.0,
+        c: &loops[0].c * 0.0,
+    };
+    let mean = loops.iter().fold(nothing, |sum, closed| Loop {
+        a: sum.a + &closed.a * share,
+        b: sum.b + &closed.b * share,
+        c: sum.c + &closed.c * share,
+    });
     let between = |from: &Loop, to: &Loop, share: f64| Loop {
         a: &from.a + (&to.a - &from.a) * share,
         b: &from.b + (&to.b - &from.b) * share,
         c: &from.c + (&to.c - &from.c) * share,
     };
     let mut p = climb(core::slice::from_ref(&mean), &lyapunov(&mean)?, goal_per_s)?.p;
-    let mut last = climb(loops, &p, f64::NEG_INFINITY)?;
     let mut spread = 0.0;
     let mut stride: f64 = 0.1;
-    while spread < 1.0 {
+    loop {
         let next = (spread + stride).min(1.0);
         let there: Vec<Loop> = loops.iter().map(|l| between(&mean, l, next)).collect();
-        let found = climb(&there, &p, if next < 1.0 { 0.2 * goal_per_s } else { goal_per_s })?;
-            if found.margin_per_s > 0.0 {
-            p = found.p.clone();
-            spread = next;
-            stride *= 1.6;
-            last = found;
-        } else {
+        let goal_per_s = if next < 1.0 { 0.2 * goal_per_s } else { goal_per_s };
+        let found = climb(&there, &p, goal_per_s)?;
+        if found.margin_per_s <= 0.0 {
             stride *= 0.5;
             if stride < 0.02 {
                 return Ok(Climbed { margin_per_s: -1.0, ..found });
             }
+        } else if next < 1.0 {
+            p = found.p;
+            spread = next;
+            stride *= 1.6;
+        } else {
+            return Ok(found);
         }
     }
-    Ok(last)
 }
 
 /// A Lyapunov matrix of one loop without the delay's error: where a climb may start.

@@ -14,7 +14,7 @@ use crate::family::{FactorBox, Family};
 use crate::gains::gains;
 use crate::loops::Loop;
 use crate::march::{lyapunov_matrix, march};
-use crate::proof::{Bicycles, loops};
+use crate::proof::Bicycles;
 
 /// Why each stretch of cells is not proved.
 ///
@@ -127,7 +127,7 @@ fn at_node(
         if growth >= 0.0 {
             continue;
         }
-        let mut closed: Vec<Loop> = loops(rider, &vehicles, &k);
+        let mut closed: Vec<Loop> = rider.close_all(&vehicles, &k);
         if !error {
             for closed in &mut closed {
                 closed.c *= 1e-6;

@@ -106,16 +106,7 @@ def batch(
     (3,)
     """
     name, changes = of("course", course)
-    things = (
-        ("law", law),
-        ("rider", rider),
-        ("bicycle", bicycle),
-        ("motors", motors),
-        ("sensors", sensors),
-        ("road", road),
-        ("wind", wind),
-    )
-    places = [text for kind, thing in things for text in placed(kind, thing)]
+    places = placed(law=law, rider=rider, bicycle=bicycle, motors=motors, sensors=sensors, road=road, wind=wind)
     on, common = switch("stabilizer", stabilizer), [*changes, *places, *assignments(set)]
     threads = workers_of(workers)
     if seeds is not None and not isinstance(seeds, Iterable):

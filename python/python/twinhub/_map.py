@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from . import _twinhub
 from ._arguments import Assignments, NameOrPath, assignments, speeds, workers_of
-from ._plot import axes
+from ._plot import Drawn
 from ._things import Bicycle, of
 from .errors import InputError
 
@@ -18,7 +18,7 @@ _MOST_POINTS = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityMap:
+class StabilityMap(Drawn):
     """Growth of small disturbances over speed and motor torque.
 
     Attributes
@@ -55,24 +55,8 @@ class StabilityMap:
         m, n = self.growth_1_s.shape
         return f"StabilityMap({self.bicycle!r}, {m} torques, {n} speeds, {self.stable.mean():.0%} stable)"
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw growth over speed and torque, and the border of stability, with matplotlib.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; new axes if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not there (``pip install 'twinhub[plot]'``).
-        """
-        ax = axes(ax)
+    def _draw(self, ax: Any) -> None:
+        """Growth over speed and torque, and the border of stability."""
         most = float(np.nanmax(np.abs(self.growth_1_s), initial=1e-9))
         mesh = ax.pcolormesh(
             self.speeds_m_s, self.torques_nm, self.growth_1_s, cmap="RdBu_r", vmin=-most, vmax=most, shading="nearest"
@@ -81,7 +65,6 @@ class StabilityMap:
             ax.contour(self.speeds_m_s, self.torques_nm, self.growth_1_s, levels=[0.0], colors="k")
         ax.figure.colorbar(mesh, ax=ax, label="growth, 1/s")
         ax.set(xlabel="speed, m/s", ylabel="torque of the pair, Nm", title=self.bicycle)
-        return ax
 
     def _repr_html_(self) -> str:
         return self.svg

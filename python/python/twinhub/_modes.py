@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from . import _twinhub
 from ._arguments import Assignments, NameOrPath, assignments, finite, speeds
-from ._plot import axes
+from ._plot import Drawn
 from ._things import Bicycle, of
 from .errors import UnknownNameError
 
@@ -36,7 +36,7 @@ class Crossing:
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Drawn):
     """Modes of a bicycle over speed, under a constant pair of motor torques.
 
     Attributes
@@ -113,31 +113,14 @@ class Modes:
         values: npt.NDArray[np.complex128] = self.eigenvalues[chosen]
         return values.reshape(len(self.speed_m_s), count)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw real parts of the eigenvalues over speed, with matplotlib.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; new axes if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not there (``pip install 'twinhub[plot]'``).
-        """
-        ax = axes(ax)
+    def _draw(self, ax: Any) -> None:
+        """Real parts of the eigenvalues over speed."""
         order = np.argsort(self.speed_m_s)
         for name in np.unique(self.names).tolist():
             growth = np.where(self.names == name, self.eigenvalues.real, np.nan)[order]
             ax.plot(self.speed_m_s[order], growth, ".", markersize=3, label=name)
         ax.axhline(0.0, color="0.5", linewidth=0.8)
         ax.set(xlabel="speed, m/s", ylabel="growth, 1/s", title=f"{self.bicycle}, {self.front_brake_nm:g} Nm")
-        return ax
 
     def _repr_html_(self) -> str:
         order = np.argsort(self.speed_m_s)

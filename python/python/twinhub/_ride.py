@@ -224,19 +224,17 @@ def ride(
     (2000,)
     """
     name, changes = of("course", course)
-    texts = [*changes]
     own_law, own_rider = _own(law), _own(rider)
-    for kind, thing in (
-        ("law", None if own_law is not None else law),
-        ("rider", None if own_rider is not None else rider),
-        ("bicycle", bicycle),
-        ("motors", motors),
-        ("sensors", sensors),
-        ("road", road),
-        ("wind", wind),
-    ):
-        texts += placed(kind, thing)
-    texts += assignments(set)
+    places = placed(
+        law=None if own_law is not None else law,
+        rider=None if own_rider is not None else rider,
+        bicycle=bicycle,
+        motors=motors,
+        sensors=sensors,
+        road=road,
+        wind=wind,
+    )
+    texts = [*changes, *places, *assignments(set)]
     if seed is not None:
         texts.append(seed_text(seed))
     on = switch("stabilizer", stabilizer)

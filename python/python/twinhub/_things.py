@@ -327,10 +327,12 @@ def of(kind: str, value: "NameOrPath | Thing") -> tuple[str, list[str]]:
     return name_or_path(kind, value), []
 
 
-def placed(kind: str, value: object) -> list[str]:
-    """The assignments that put a thing into a course."""
-    if value is None:
-        return []
+def placed(**things: object) -> list[str]:
+    """The assignments that put things into a course, by kind; None leaves the course's."""
+    return [text for kind, value in things.items() if value is not None for text in _placed(kind, value)]
+
+
+def _placed(kind: str, value: object) -> list[str]:
     if not isinstance(value, str | os.PathLike | Thing):
         raise InputError(f"{kind}={value!r}: accepted: a {kind}, a name or a path")
     name, changes = of(kind, value)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _html, _twinhub
 from ._arguments import Assignments, NameOrPath, assignments, finite
 from ._batch import Batch, batch
-from ._plot import axes
+from ._plot import Drawn
 from ._things import Bicycle, Course, Law, Rider, placed
 from .errors import InputError
 
@@ -101,7 +101,7 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Tuning:
+class Tuning(Drawn):
     """What tuning came to.
 
     Attributes
@@ -126,29 +126,12 @@ class Tuning:
                 chosen.append(trial)
         return tuple(chosen)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw effort over energy, the frontier as a line, with matplotlib.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; new axes if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not there (``pip install 'twinhub[plot]'``).
-        """
-        ax = axes(ax)
+    def _draw(self, ax: Any) -> None:
+        """Effort over energy, the frontier as a line."""
         ax.plot([t.energy_wh_per_km for t in self.trials], [t.effort_nm for t in self.trials], ".", color="0.6")
         front = self.frontier
         ax.plot([t.energy_wh_per_km for t in front], [t.effort_nm for t in front], "o-", label="frontier")
         ax.set(xlabel="energy, Wh/km", ylabel="effort, Nm")
-        return ax
 
     def __repr__(self) -> str:
         b = self.best
@@ -304,9 +287,7 @@ def tune(
         x0 = (np.array([start[path] for path in paths]) - low) / (high - low)
         if not ((x0 >= 0.0) & (x0 <= 1.0)).all():
             raise InputError(f"start={dict(start)!r}: accepted: values within the bounds")
-    things = (("law", law), ("rider", rider), ("bicycle", bicycle))
-    places = [text for kind, thing in things for text in placed(kind, thing)]
-    chosen, common = list(seeds), [*places, *assignments(set)]
+    chosen, common = list(seeds), [*placed(law=law, rider=rider, bicycle=bicycle), *assignments(set)]
     if not chosen:
         raise InputError("seeds: none; accepted: several seeds, as range(10)")
 

@@ -11,6 +11,7 @@ mod half;
 mod round;
 
 use crate::exit;
+use crate::interrupt::on_ctrl_c;
 use crate::ride::program;
 use anyhow::Context;
 use clap::Args;
@@ -21,7 +22,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use twinhub_link::timing::{Quantiles, histogram_ns};
 use twinhub_link::{InProcess, RunDir, leftovers};
 use twinhub_sim::Ride;
@@ -73,9 +74,7 @@ pub fn run(args: &TortureArgs) -> anyhow::Result<ExitCode> {
     ]
     .map(str::to_owned);
     let ride = Ride::load("first_ride", &assignments).map_err(exit::bad_input)?;
-    let stop = std::sync::Arc::new(AtomicBool::new(false));
-    let flag = std::sync::Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let stop = on_ctrl_c()?;
     let clean = Clean::new(&place)?;
     let bar = ProgressBar::new(args.kills);
     bar.set_style(
