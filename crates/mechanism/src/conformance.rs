@@ -87,6 +87,8 @@ fn absent_at_null() {
             assert_eq!(mechanism.reading(&p, quantity, &at), 0.0, "{name}");
         }
         assert_eq!(mechanism.law_delay_s(&p), 0.0);
+        let random = mechanism.random_force(&p, &bicycle.parameters);
+        assert_eq!(random, None, "{name}");
     }
 }
 
@@ -118,6 +120,9 @@ fn probes_act() {
                 || body.parameters != bare.parameters
                 || wrench != Wrench::default()
                 || models
+                || mechanism
+                    .random_force(&p, &bicycle.parameters)
+                    .is_some()
                 || mechanism.law_delay_s(&p) > 0.0;
             assert!(acts, "{}", card.name);
         }

@@ -57,6 +57,17 @@ impl SensorModel {
     };
 }
 
+/// A slow random force: a first-order Markov process.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RandomForce {
+    /// Standard deviation, in N if the arm is in m.
+    pub sd: f64,
+    /// Correlation time, s.
+    pub time_s: f64,
+    /// Roll and steer torque per force.
+    pub arm: [f64; 2],
+}
+
 /// A cause. `p` holds its parameters in the order of the card.
 pub trait Mechanism: Sync + std::fmt::Debug {
     /// What is written about it.
@@ -102,6 +113,17 @@ pub trait Mechanism: Sync + std::fmt::Debug {
     /// What it adds to the equations at a moment.
     fn wrench(&self, _p: &[f64], _at: &Moment<'_>, _memory: &[f64]) -> Wrench {
         Wrench::default()
+    }
+
+    /// Whether it is random: no input says when it acts, so that it shows in the spread of what is
+    /// predicted and not in its mean.
+    fn is_random(&self) -> bool {
+        false
+    }
+
+    /// The random force that it adds.
+    fn random_force(&self, _p: &[f64], _bicycle: &Parameters) -> Option<RandomForce> {
+        None
     }
 
     /// Number of values that it remembers.

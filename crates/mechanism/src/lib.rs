@@ -36,7 +36,7 @@ mod tyre;
 pub use body::{Body, Terms};
 pub use card::{Card, Equation, Family, Param, Requirement};
 pub use extended::{Accepted, ExtendedError};
-pub use hooks::{InputModel, Mechanism, SensorModel};
+pub use hooks::{InputModel, Mechanism, RandomForce, SensorModel};
 pub use moment::{Inputs, Moment, Wrench};
 pub use quantity::Quantity;
 pub use registry::{ALL, find, names};

@@ -1,6 +1,7 @@
 //! What a mechanism may look at, and what it gives back.
 
 use crate::body::Body;
+use nalgebra::{Matrix2, Vector2};
 
 /// Forces and torques that are known to act.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,6 +48,34 @@ impl Moment<'_> {
         self.body.yaw[0]
             * (self.speed_m_s * self.rate_rad_s[1] + self.accel_m_s2 * self.angle_rad[1])
             + self.body.yaw[1] * self.accel_rad_s2[1]
+    }
+}
+
+impl<'a> Moment<'a> {
+    /// The same moment with the accelerations that come out when a wrench acts which depends on them
+    /// (linearly): it is asked three times.
+    pub fn settled(&self, wrench: impl Fn(&Self) -> Wrench) -> Self {
+        let torque = |accel: [f64; 2]| {
+            let w = wrench(&Self {
+                accel_rad_s2: accel,
+                ..*self
+            });
+            Vector2::new(w.roll_nm, w.steer_nm)
+        };
+        let [roll, steer] = self.accel_rad_s2;
+        let here = torque([roll, steer]);
+        let slope = Matrix2::from_columns(&[
+            torque([roll + 1.0, steer]) - here,
+            torque([roll, steer + 1.0]) - here,
+        ]);
+        let inverse = self.body.mass_inverse;
+        let added = (Matrix2::identity() - inverse * slope)
+            .try_inverse()
+            .map_or_else(Vector2::zeros, |m| m * (inverse * here));
+        Self {
+            accel_rad_s2: [roll + added.x, steer + added.y],
+            ..*self
+        }
     }
 }
 

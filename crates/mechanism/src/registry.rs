@@ -23,6 +23,7 @@ pub static ALL: &[&dyn Mechanism] = &[
     &environment::CrossSlope,
     &environment::LongitudinalSlope,
     &environment::Crosswind,
+    &environment::Gust,
     &resistance::RollingResistance,
     &resistance::AerodynamicDrag,
     &resistance::BrakeDrag,

@@ -23,7 +23,8 @@ use super::layout::{HEADING, Layout};
 use super::pass::{Pass, Recorded};
 use super::ride::Ride;
 use super::setup::{Model, Setup};
-use super::small::{Flow, dot, mul_vec};
+use super::flow::Flow;
+use super::small::{dot, sparse_mul};
 use super::state::{self, Balance, Pace, Which};
 use crate::quantity::Quantity;
 use nalgebra::{Matrix2, Vector2};
@@ -49,6 +50,7 @@ struct Work<'a> {
     row: Vec<f64>,
     gain: Vec<f64>,
     memory: Vec<f64>,
+    next: Vec<f64>,
     before: Vec<f64>,
     /// Running free: nothing is read, the covariance stays.
     blind: bool,
@@ -139,7 +141,7 @@ fn walk(
 ) {
     let layout = Layout::new(ride, model);
     let (n, nd) = (layout.states, layout.dynamic);
-    let prior = layout.prior(ride, model);
+    let prior = layout.prior(ride);
     let mut work = Work {
         ride,
         setup,
@@ -155,6 +157,7 @@ fn walk(
         row: vec![0.0; n],
         gain: vec![0.0; n],
         memory: vec![0.0; setup.memory],
+        next: vec![0.0; nd],
         before: vec![0.0; n],
         blind: false,
         said: vec![],
@@ -208,10 +211,8 @@ impl Work<'_> {
 
     fn accel(&self, balance: &Balance, x: &[f64]) -> Vector2<f64> {
         let mut torque = balance.net(x);
-        for (i, index) in self.layout.latent.iter().enumerate() {
-            if let Some(index) = index {
-                torque[i] += x[*index];
-            }
+        for (index, latent) in self.layout.latent.iter().flatten() {
+            torque += Vector2::from(latent.arm) * x[*index];
         }
         for (bias, arm) in self.layout.drive_bias.iter().zip(&self.setup.arms) {
             if let Some(bias) = bias {
@@ -285,12 +286,11 @@ impl Work<'_> {
                 a[(2 + i) * nd + 2 + j] = c[(i, j)];
             }
         }
-        for (axis, index) in self.layout.latent.iter().enumerate() {
-            if let (Some(index), Some(latent)) = (index, self.model.latent[axis]) {
-                a[index * nd + index] = -1.0 / latent.time_s;
-                for i in 0..2 {
-                    a[(2 + i) * nd + index] = inverse[(i, axis)];
-                }
+        for (index, latent) in self.layout.latent.iter().flatten() {
+            a[index * nd + index] = -1.0 / latent.time_s;
+            let push = inverse * Vector2::from(latent.arm);
+            for i in 0..2 {
+                a[(2 + i) * nd + index] = push[i];
             }
         }
         if self.layout.heading {
@@ -436,7 +436,7 @@ impl Work<'_> {
             }
         }
         // Mean.
-        let mut next = vec![0.0; nd];
+        let mut next = std::mem::take(&mut self.next);
         for (i, value) in next.iter_mut().enumerate() {
             *value = dot(&self.top[i * n..(i + 1) * n], &self.x);
         }
@@ -447,6 +447,7 @@ impl Work<'_> {
             }
         }
         self.x[..nd].copy_from_slice(&next);
+        self.next = next;
         if pushed {
             let accel = self.accel(&end, &self.x);
             let x1: [f64; 4] = std::array::from_fn(|i| self.x[i]);
@@ -484,15 +485,7 @@ impl Work<'_> {
         }
         for i in 0..nd {
             let row = &self.top[i * n..(i + 1) * n];
-            let out = &mut self.w[i * n..(i + 1) * n];
-            out.fill(0.0);
-            for (k, factor) in row.iter().enumerate() {
-                if *factor != 0.0 {
-                    for (o, x) in out.iter_mut().zip(&self.p[k * n..(k + 1) * n]) {
-                        *o += factor * x;
-                    }
-                }
-            }
+            sparse_mul(&mut self.w[i * n..(i + 1) * n], row, &self.p, n);
         }
         // Simpson's rule over the step: after h, h/2 and 0.
         let mut late = [[0.0; 2]; 24];
@@ -521,10 +514,8 @@ impl Work<'_> {
                 self.p[j * n + i] = self.w[i * n + j];
             }
         }
-        for (index, latent) in self.layout.latent.iter().zip(&self.model.latent) {
-            if let (Some(index), Some(latent)) = (index, latent) {
-                self.p[index * n + index] += 2.0 * latent.sd_nm * latent.sd_nm * h / latent.time_s;
-            }
+        for (index, latent) in self.layout.latent.iter().flatten() {
+            self.p[index * n + index] += 2.0 * latent.sd * latent.sd * h / latent.time_s;
         }
     }
 
@@ -596,7 +587,7 @@ impl Work<'_> {
                 self.row = row;
                 continue;
             }
-            mul_vec(&mut self.gain, &self.p, &row, n);
+            sparse_mul(&mut self.gain, &row, &self.p, n);
             let sd = self.model.noise_sd(sensor);
             let quantum = sensor
                 .quantum
@@ -614,13 +605,12 @@ impl Work<'_> {
             let variance = dot(&row, &self.gain) + noise;
             let error = reading.value - predicted;
             let scaled = error / variance;
-            for i in 0..n {
-                self.x[i] += self.gain[i] * scaled;
-                let factor = self.gain[i] / variance;
-                for j in 0..=i {
-                    let value = self.p[i * n + j] - factor * self.gain[j];
-                    self.p[i * n + j] = value;
-                    self.p[j * n + i] = value;
+            let inverse = 1.0 / variance;
+            for (i, gain) in self.gain.iter().enumerate() {
+                self.x[i] += gain * scaled;
+                for (value, other) in self.p[i * n..(i + 1) * n].iter_mut().zip(&self.gain) {
+                    // In this order both halves of the matrix round alike.
+                    *value -= gain * other * inverse;
                 }
             }
             pass.reading(r, error, variance);

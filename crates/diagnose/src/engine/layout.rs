@@ -1,7 +1,7 @@
 //! Which states the predictor of a ride has, in which order, and how uncertain they are at first.
 
 use super::ride::Ride;
-use super::setup::Model;
+use super::setup::{Latent, MOST_LATENT, Model};
 use crate::quantity::Quantity;
 
 /// Place of the heading, where there is one.
@@ -11,7 +11,8 @@ pub const HEADING: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Layout {
     pub heading: bool,
-    pub latent: [Option<usize>; 2],
+    /// Slow random forces, each with its state.
+    pub latent: [Option<(usize, Latent)>; MOST_LATENT],
     /// First filter state of each sensor.
     pub filters: Vec<Option<usize>>,
     pub dynamic: usize,
@@ -25,10 +26,10 @@ impl Layout {
     pub fn new(ride: &Ride, model: &Model) -> Self {
         let heading = ride.sensors.iter().any(|s| s.quantity == Quantity::Yaw);
         let mut next = 4 + usize::from(heading);
-        let latent = [0, 1].map(|i| {
-            model.latent[i].map(|_| {
+        let latent = model.latents(ride).map(|latent| {
+            latent.map(|latent| {
                 next += 1;
-                next - 1
+                (next - 1, latent)
             })
         });
         let filters = ride
@@ -68,16 +69,14 @@ impl Layout {
     }
 
     /// Variances before the first reading; those of the angles and rates are wide guesses.
-    pub fn prior(&self, ride: &Ride, model: &Model) -> Vec<f64> {
+    pub fn prior(&self, ride: &Ride) -> Vec<f64> {
         let mut variance = vec![25.0; self.states];
         variance[..4].copy_from_slice(&[0.25, 0.25, 9.0, 9.0]);
         if self.heading {
             variance[HEADING] = 100.0;
         }
-        for (index, latent) in self.latent.iter().zip(&model.latent) {
-            if let (Some(index), Some(latent)) = (index, latent) {
-                variance[*index] = latent.sd_nm * latent.sd_nm;
-            }
+        for (index, latent) in self.latent.iter().flatten() {
+            variance[*index] = latent.sd * latent.sd;
         }
         let sensors = self
             .sensor_bias

@@ -5,6 +5,7 @@
 
 pub mod course;
 pub mod forecast;
+mod flow;
 mod lateral;
 mod layout;
 pub mod pass;

@@ -7,7 +7,7 @@ use super::layout::Layout;
 use super::ride::Ride;
 use super::sensitivity::Along;
 use super::setup::{Model, Plant, Setup};
-use super::small::Flow;
+use super::flow::Flow;
 use super::speed;
 use super::state::Pace;
 use std::sync::OnceLock;

@@ -73,10 +73,8 @@ impl<'a> Side<'a> {
         let pace = &if start { *pace } else { pace.at_end() };
         let balance = Balance::new(self.setup, ends, pace);
         let mut torque = balance.net(x);
-        for (i, latent) in self.layout.latent.iter().enumerate() {
-            if let Some(latent) = latent {
-                torque[i] += x[*latent];
-            }
+        for (index, latent) in self.layout.latent.iter().flatten() {
+            torque += Vector2::from(latent.arm) * x[*index];
         }
         for (bias, arm) in self.layout.drive_bias.iter().zip(&self.setup.arms) {
             if let Some(bias) = bias {
@@ -219,7 +217,7 @@ pub fn change(
             }
         }
     });
-    let mass = base.body.terms.mass;
+    let mass = s0.plant.body.terms.mass;
     let mut change = vec![0.0; course.readings.len()];
     let mut dx = vec![0.0; n];
     let mut next = vec![0.0; nd];

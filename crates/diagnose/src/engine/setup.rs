@@ -4,7 +4,7 @@ use super::ride::{Arm, NoiseKind, Ride, Sensor};
 use crate::quantity::Quantity;
 use std::sync::Arc;
 use twinhub_linear::{Bicycle, BicycleError};
-use twinhub_mechanism::{Body, InputModel, Mechanism, SensorModel};
+use twinhub_mechanism::{Body, InputModel, Mechanism, RandomForce, Requirement, SensorModel};
 
 /// A mechanism with its parameters.
 #[derive(Clone, Debug)]
@@ -22,12 +22,11 @@ pub struct Levels {
     pub sensors: Vec<f64>,
 }
 
-/// A slow random torque: standard deviation, Nm, and correlation time, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Latent {
-    pub sd_nm: f64,
-    pub time_s: f64,
-}
+/// A slow random force.
+pub type Latent = RandomForce;
+
+/// Latent torques on roll and on steer at most, and one random mechanism.
+pub const MOST_LATENT: usize = 3;
 
 /// Everything that can be changed about the prediction.
 #[derive(Clone, Debug)]
@@ -35,28 +34,57 @@ pub struct Model {
     pub bicycle: Bicycle,
     pub active: Vec<Active>,
     pub levels: Levels,
-    /// On roll and on steer.
+    /// Torques on roll and on steer.
     pub latent: [Option<Latent>; 2],
 }
 
 /// The model's part that all rides share.
 #[derive(Clone, Debug)]
 pub struct Plant {
+    bicycle: Arc<Bicycle>,
     pub body: Arc<Body>,
     pub active: Vec<Active>,
 }
 
-impl Model {
-    pub fn plant(&self) -> Result<Plant, BicycleError> {
-        let list: Vec<(&'static dyn Mechanism, &[f64])> = self
-            .active
+/// Whether a mechanism acts in a ride: arms do not with hands off, wind does not on a treadmill.
+fn acts_in(mechanism: &dyn Mechanism, ride: &Ride) -> bool {
+    mechanism.card().requires.iter().all(|r| match r {
+        Requirement::HandsOn => ride.hands_on,
+        Requirement::Rider => !(ride.rider.is_empty() || ride.rider == "none"),
+        Requirement::Road => ride.road,
+        Requirement::Treadmill => !ride.road,
+        _ => true,
+    })
+}
+
+impl Plant {
+    fn new(bicycle: Arc<Bicycle>, active: Vec<Active>) -> Result<Self, BicycleError> {
+        let list: Vec<(&'static dyn Mechanism, &[f64])> = active
             .iter()
             .map(|a| (a.mechanism, a.p.as_slice()))
             .collect();
-        Ok(Plant {
-            body: Arc::new(Body::with(&self.bicycle, &list)?),
-            active: self.active.clone(),
+        Ok(Self {
+            body: Arc::new(Body::with(&bicycle, &list)?),
+            bicycle,
+            active,
         })
+    }
+
+    /// With the mechanisms that act in this ride.
+    fn on(&self, ride: &Ride) -> Self {
+        let acts = |a: &&Active| acts_in(a.mechanism, ride);
+        if self.active.iter().all(|a| acts(&a)) {
+            return self.clone();
+        }
+        let active = self.active.iter().filter(acts).cloned().collect();
+        // Fewer mechanisms leave a bicycle that is at least as near to the declared one.
+        Self::new(Arc::clone(&self.bicycle), active).unwrap_or_else(|_| self.clone())
+    }
+}
+
+impl Model {
+    pub fn plant(&self) -> Result<Plant, BicycleError> {
+        Plant::new(Arc::new(self.bicycle.clone()), self.active.clone())
     }
 
     /// With one more mechanism.
@@ -64,6 +92,16 @@ impl Model {
         let mut model = self.clone();
         model.active.push(Active { mechanism, p });
         model
+    }
+
+    /// Slow random forces in one ride: the model's own, and that of a random mechanism.
+    pub fn latents(&self, ride: &Ride) -> [Option<Latent>; MOST_LATENT] {
+        let random = self
+            .active
+            .iter()
+            .filter(|a| acts_in(a.mechanism, ride))
+            .find_map(|a| a.mechanism.random_force(&a.p, &self.bicycle.parameters));
+        [self.latent[0], self.latent[1], random]
     }
 
     /// Noise of a sensor, one standard deviation.
@@ -95,6 +133,7 @@ pub struct Setup {
 
 impl Setup {
     pub fn new(plant: &Plant, ride: &Ride) -> Self {
+        let plant = plant.on(ride);
         let input = |quantity: Quantity| {
             let mut model = InputModel::IDEAL;
             for a in &plant.active {
@@ -146,7 +185,7 @@ impl Setup {
             pushing,
             memory,
             reads: plant.active.iter().any(|a| a.mechanism.reads()),
-            plant: plant.clone(),
+            plant,
         }
     }
 

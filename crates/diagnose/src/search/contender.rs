@@ -2,12 +2,37 @@
 
 use super::decide::{Blocks, Gain};
 use super::fitting::{Baseline, Rides};
-use super::greedy::{Material, Tested};
-use super::refit::{Refit, refit};
-use super::score::correlation;
+use super::random;
+use super::refit::{Refit, polish, refit, refreshed, sketch};
+use super::score::{Score, correlation};
+use super::screen::Guess;
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
+use crate::engine::FreeNoise;
 use twinhub_mechanism::Mechanism;
+
+/// Rides for fitting and rides for deciding.
+pub struct Material<'a> {
+    pub fit: &'a Rides,
+    /// Empty: nothing can be confirmed.
+    pub held: &'a Rides,
+    pub free: &'a FreeNoise,
+}
+
+/// What the score test says of one mechanism.
+pub struct Tested {
+    pub mechanism: &'static dyn Mechanism,
+    /// None where the calibration explains all that it could do.
+    pub score: Option<Score>,
+}
+
+/// A mechanism whose fit has begun.
+pub struct Sketch {
+    mechanism: &'static dyn Mechanism,
+    fit: Baseline,
+    /// Nats that the first steps gained on the fit rides.
+    pub nats: f64,
+}
 
 /// A mechanism that was refitted in one round.
 pub struct Contender {
@@ -30,26 +55,74 @@ pub fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
         .flatten()
 }
 
-pub fn contend(
-    material: &Material<'_>,
-    baseline: &Baseline,
-    before: Option<&Blocks>,
-    mechanism: &'static dyn Mechanism,
-    size: &[f64],
-) -> Option<Contender> {
-    let refit = refit(material.fit, material.free, baseline, mechanism, size)?;
-    let blocks = held_blocks(material.held, &refit.baseline);
-    let gain = match (before, &blocks) {
-        (Some(a), Some(b)) => Gain::new(a, b),
-        _ => Gain::default(),
-    };
-    Some(Contender {
-        mechanism,
-        fit_nats: baseline.cost - refit.baseline.cost,
-        refit,
-        gain,
-        blocks,
-    })
+impl Sketch {
+    pub fn new(material: &Material<'_>, baseline: &Baseline, score: &Score) -> Option<Self> {
+        let fit = sketch(material.fit, baseline, score.mechanism, &score.size)?;
+        Some(Self {
+            mechanism: score.mechanism,
+            nats: baseline.cost - fit.cost,
+            fit,
+        })
+    }
+
+    /// A random mechanism, which no score can bring up.
+    pub fn random(
+        material: &Material<'_>,
+        baseline: &Baseline,
+        mechanism: &'static dyn Mechanism,
+    ) -> Option<Self> {
+        let fit = random::sketch(material.fit, baseline, mechanism)?;
+        Some(Self {
+            mechanism,
+            nats: baseline.cost - fit.cost,
+            fit,
+        })
+    }
+
+    /// Goes on from a guess, on all of the fit rides.
+    pub fn of_guess(material: &Material<'_>, baseline: &Baseline, guess: Guess) -> Option<Self> {
+        let there = refreshed(material.fit, guess.fit)?;
+        let fit = polish(material.fit, there, 1)?;
+        Some(Self {
+            mechanism: guess.mechanism,
+            nats: baseline.cost - fit.cost,
+            fit,
+        })
+    }
+
+    pub fn name(&self) -> &'static str {
+        self.mechanism.card().name
+    }
+
+    /// What the sketch gains on held-out rides.
+    pub fn gain(&self, material: &Material<'_>, before: Option<&Blocks>) -> Gain {
+        match (before, held_blocks(material.held, &self.fit)) {
+            (Some(a), Some(b)) => Gain::new(a, &b),
+            _ => Gain::default(),
+        }
+    }
+
+    /// Fits to the end and decides.
+    pub fn contend(
+        self,
+        material: &Material<'_>,
+        baseline: &Baseline,
+        before: Option<&Blocks>,
+    ) -> Option<Contender> {
+        let refit = refit(material.fit, material.free, self.fit)?;
+        let blocks = held_blocks(material.held, &refit.baseline);
+        let gain = match (before, &blocks) {
+            (Some(a), Some(b)) => Gain::new(a, b),
+            _ => Gain::default(),
+        };
+        Some(Contender {
+            mechanism: self.mechanism,
+            fit_nats: baseline.cost - refit.baseline.cost,
+            refit,
+            gain,
+            blocks,
+        })
+    }
 }
 
 /// Whether the fit rides' evidence, penalised for parameters and library, is enough.
@@ -92,7 +165,7 @@ pub fn is_degenerate(contender: &Contender) -> bool {
 /// more than it.
 pub fn pick(list: &[Contender], acceptable: impl Fn(&Contender) -> bool) -> Option<usize> {
     let best = list.iter().position(&acceptable)?;
-    let is_tolerance = |c: &Contender| c.mechanism.card().name.starts_with(tolerance::PREFIX);
+    let is_tolerance = |c: &Contender| tolerance::is_candidate(c.mechanism);
     // Something that lies at its end explains more than all that may be accepted: no name fits.
     let most = list
         .iter()

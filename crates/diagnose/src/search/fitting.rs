@@ -164,13 +164,16 @@ pub struct Baseline {
     pub cost: f64,
 }
 
+/// First guess of the random torques and force that act on a bicycle: a good road and a steady rider.
+pub const FIRST_PROCESS: [f64; 3] = [1.0, 0.2, 2.0];
+
 /// First guess of the model.
 pub fn start(bicycle: &twinhub_linear::Bicycle, free: &FreeNoise) -> Model {
     Model {
         bicycle: bicycle.clone(),
         active: vec![],
         levels: crate::engine::Levels {
-            process: [1.0, 0.2, 2.0],
+            process: FIRST_PROCESS,
             sensors: free.range.iter().map(|r| r[0]).collect(),
         },
         latent: [None; 2],

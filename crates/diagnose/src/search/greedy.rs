@@ -1,26 +1,19 @@
 //! The search itself: test, refit, decide, accept, again.
 
 use super::contender::{
-    Contender, confusion, contend, has_evidence, held_blocks, is_at_end, is_degenerate, pick,
+    Contender, Material, Sketch, Tested, confusion, has_evidence, held_blocks, is_at_end,
+    is_degenerate, pick,
 };
 use super::decide::Gain;
-use super::fitting::{Baseline, Passes, Rides, calibration_columns};
+use super::fitting::{Baseline, Rides};
 use super::probe::{PROBES, Probe};
-use super::refit::{Refit, finish, polish};
+use super::refit::{Refit, finish, polish, refreshed};
+use super::screen::{is_strained, screen};
 use super::score::{Bench, Score, active_columns, discoveries};
 use super::thresholds::THRESHOLDS;
-use crate::engine::FreeNoise;
-use crate::engine::small::dot;
+use super::tolerance;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use twinhub_mechanism::{Equation, Mechanism};
-
-/// Rides for fitting and rides for deciding.
-pub struct Material<'a> {
-    pub fit: &'a Rides,
-    /// Empty: nothing can be confirmed.
-    pub held: &'a Rides,
-    pub free: &'a FreeNoise,
-}
 
 /// An accepted cause.
 pub struct Accepted {
@@ -28,12 +21,6 @@ pub struct Accepted {
     pub set: Vec<&'static str>,
     pub gain: Gain,
     pub decided: bool,
-}
-
-/// First-round result of one mechanism.
-pub struct Tested {
-    pub mechanism: &'static dyn Mechanism,
-    pub score: Option<Score>,
 }
 
 /// What the search leaves.
@@ -85,6 +72,19 @@ fn discovered(tested: &[Tested]) -> Vec<&Score> {
     found
 }
 
+/// Those that are fitted: parameters out of tolerance have places of their own, so that they take none
+/// from mechanisms.
+fn strongest(tested: &[Tested]) -> Vec<&Score> {
+    let (parameters, mechanisms): (Vec<_>, Vec<_>) = discovered(tested)
+        .into_iter()
+        .partition(|s| tolerance::is_candidate(s.mechanism));
+    mechanisms
+        .into_iter()
+        .take(THRESHOLDS.refits)
+        .chain(parameters.into_iter().take(THRESHOLDS.tolerance_refits))
+        .collect()
+}
+
 /// Runs the search.
 pub fn search(
     material: &Material<'_>,
@@ -114,18 +114,46 @@ pub fn search(
         let blocks = bench.blocks;
         if round < THRESHOLDS.most_causes {
             let before = held_blocks(material.held, &baseline);
-            let mut list: Vec<Contender> = vec![];
-            for score in discovered(&tested).into_iter().take(THRESHOLDS.refits) {
-                progress(&format!("fitting {}", score.mechanism.card().name));
-                list.extend(contend(
-                    material,
-                    &baseline,
-                    before.as_ref(),
-                    score.mechanism,
-                    &score.size,
-                ));
+            let fits = |c: &Contender| {
+                !is_degenerate(c)
+                    && has_evidence(c, blocks, library.len())
+                    && (!decide || c.gain.is_decisive())
+            };
+            let mut sketches: Vec<Sketch> = strongest(&tested)
+                .into_iter()
+                .filter_map(|score| {
+                    progress(&format!("first steps of {}", score.mechanism.card().name));
+                    Sketch::new(material, &baseline, score)
+                })
+                .collect();
+            let random = left.iter().copied().filter(|m| m.is_random());
+            sketches.extend(random.filter_map(|m| Sketch::random(material, &baseline, m)));
+            if is_strained(&baseline, !sketches.is_empty()) {
+                let guesses = screen(material, &baseline, &left, progress);
+                for guess in guesses.into_iter().take(THRESHOLDS.screened) {
+                    progress(&format!("first steps of {}", guess.mechanism.card().name));
+                    let Some(sketch) = Sketch::of_guess(material, &baseline, guess) else {
+                        continue;
+                    };
+                    match sketches.iter_mut().find(|s| s.name() == sketch.name()) {
+                        Some(known) if known.nats < sketch.nats => *known = sketch,
+                        Some(_) => {}
+                        None => sketches.push(sketch),
+                    }
+                }
             }
-            list.sort_by(|a, b| b.total().total_cmp(&a.total()));
+            sketches.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+            let worth = THRESHOLDS.sketch_share * sketches.first().map_or(0.0, |s| s.nats);
+            let mut list: Vec<Contender> = vec![];
+            for sketch in sketches {
+                // What began far behind is fitted only if nothing ahead of it may be accepted.
+                if sketch.nats < worth && pick(&list, fits).is_some() {
+                    break;
+                }
+                progress(&format!("fitting {}", sketch.name()));
+                list.extend(sketch.contend(material, &baseline, before.as_ref()));
+                list.sort_by(|a, b| b.total().total_cmp(&a.total()));
+            }
             for c in &list {
                 let name = c.mechanism.card().name;
                 contenders.push((name.to_owned(), c.fit_nats, c.gain));
@@ -133,11 +161,6 @@ pub fn search(
                     at_end.push(name);
                 }
             }
-            let fits = |c: &Contender| {
-                !is_degenerate(c)
-                    && has_evidence(c, blocks, library.len())
-                    && (!decide || c.gain.is_decisive())
-            };
             if let Some(best) = pick(&list, fits) {
                 let set = confusion(&list, best, &tested);
                 let chosen = list.swap_remove(best);
@@ -165,7 +188,7 @@ pub fn search(
         baseline = polish(material.fit, baseline, 3)?;
         baseline = eliminate(material, baseline, &mut accepted, decide)?;
         baseline = refreshed(material.fit, baseline)?;
-        last = finish(material.fit, material.free, baseline.clone(), 0);
+        last = finish(material.fit, baseline.clone());
     }
     let disagreement = disagreement(material.fit, &baseline, &accepted);
     progress("what is left");
@@ -180,19 +203,6 @@ pub fn search(
         disagreement,
         baseline,
     })
-}
-
-/// The calibration's columns at the present model.
-fn refreshed(rides: &Rides, mut baseline: Baseline) -> Option<Baseline> {
-    let passes = Passes::run(rides, &baseline.model, true)?;
-    let all = calibration_columns(rides, &baseline.model, &passes, &baseline.all, &baseline.z);
-    baseline.columns = all
-        .into_iter()
-        .enumerate()
-        .filter(|(_, c)| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats)
-        .collect();
-    baseline.cost = super::refit::cost(&passes, &baseline);
-    Some(baseline)
 }
 
 /// Drops causes that cost nothing to drop.
@@ -283,7 +293,9 @@ fn disagreement_p(bench: &Bench<'_>, column: &[f64], count: usize) -> Option<f64
         .filter(|(s, _)| s[1] > 0.0)
         .map(|([u, i], v)| u * u / i.max(*v))
         .sum();
-    ChiSquared::new((count - 1) as f64)
+    // A cause that does not act in a ride cannot disagree there.
+    let told = sums.iter().filter(|s| s[1] > 0.0).count();
+    ChiSquared::new(told.saturating_sub(1) as f64)
         .ok()
         .map(|d| d.sf(statistic))
 }
@@ -308,15 +320,15 @@ fn leftovers(material: &Material<'_>, baseline: &Baseline, decide: bool) -> Opti
             continue;
         }
         tried.push((probe.equation, count));
-        let Some(contender) = contend(material, baseline, before.as_ref(), probe, &score.size)
-        else {
+        let Some(sketch) = Sketch::new(material, baseline, &score) else {
             continue;
         };
-        if !decide || contender.gain.is_decisive() {
+        let gain = sketch.gain(material, before.as_ref());
+        if !decide || gain.is_decisive() {
             left.push(Left {
                 probe,
                 p_value: score.p_value,
-                gain: contender.gain,
+                gain,
             });
         }
     }

@@ -12,7 +12,10 @@
 //!
 //! Checked by: `tests` of the search.
 
-use super::fitting::{Baseline, Column, Passes, Rides, bounded_step, fit_levels, moved};
+use super::fitting::{
+    Baseline, Column, Passes, Rides, bounded_step, calibration_columns, fit_levels, moved,
+};
+use super::random;
 use super::score::active_columns;
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
@@ -27,7 +30,14 @@ pub struct Refit {
     pub sd: Vec<Vec<f64>>,
 }
 
+/// Steps of a sketch, and of the fit that follows it, at most.
+const FIRST_ROUNDS: usize = 1;
 const ROUNDS: usize = 4;
+/// Turns of levels and parameters at most, the gain of a turn that is the last, and the gain of levels
+/// from which on the calibration's columns are formed again.
+const MOST_TURNS: usize = 6;
+const SETTLED_NATS: f64 = 3.0;
+const REFRESHED_FROM_NATS: f64 = 30.0;
 
 fn prior(baseline: &Baseline) -> f64 {
     let z = 0.5 * dot(&baseline.z, &baseline.z);
@@ -140,14 +150,14 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
     Some(now)
 }
 
-/// Adds a mechanism to the baseline and fits it: from the linear size, and from the grid.
-pub fn refit(
+/// Adds a mechanism to the baseline and takes the first steps of its fit: from the linear size, and
+/// from the grid.
+pub fn sketch(
     rides: &Rides,
-    free: &FreeNoise,
     baseline: &Baseline,
     mechanism: &'static dyn Mechanism,
     size: &[f64],
-) -> Option<Refit> {
+) -> Option<Baseline> {
     let card = mechanism.card();
     let parameters = &baseline.model.bicycle.parameters;
     let inside = |mut p: Vec<f64>| {
@@ -162,36 +172,68 @@ pub fn refit(
         p[0] = *value;
         starts.push(inside(p));
     }
-    let mut trials: Vec<(f64, Baseline)> = starts
+    let extended = |p: Vec<f64>| {
+        let mut there = baseline.clone();
+        there.model.active.push(Active { mechanism, p });
+        there
+    };
+    if starts.len() > 1 {
+        let mut trials: Vec<(f64, Vec<f64>)> = starts
+            .into_iter()
+            .filter_map(|p| {
+                let there = extended(p.clone());
+                let passes = Passes::run(rides, &there.model, false)?;
+                let value = cost(&passes, &there);
+                value.is_finite().then_some((value, p))
+            })
+            .collect();
+        trials.sort_by(|a, b| a.0.total_cmp(&b.0));
+        trials.truncate(2);
+        starts = trials.into_iter().map(|(_, p)| p).collect();
+    }
+    starts
         .into_iter()
-        .filter_map(|p| {
-            let mut there = baseline.clone();
-            there.model.active.push(Active { mechanism, p });
-            let passes = Passes::run(rides, &there.model, false)?;
-            let value = cost(&passes, &there);
-            value.is_finite().then_some((value, there))
-        })
-        .collect();
-    trials.sort_by(|a, b| a.0.total_cmp(&b.0));
-    trials.truncate(2);
-    let best = trials
-        .into_iter()
-        .filter_map(|(_, start)| polish(rides, start, ROUNDS))
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    finish(rides, free, best, 1)
+        .filter_map(|p| polish(rides, extended(p), FIRST_ROUNDS))
+        .filter(|b| b.cost.is_finite())
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// Levels once more, and uncertainties.
-pub fn finish(
-    rides: &Rides,
-    free: &FreeNoise,
-    mut best: Baseline,
-    level_rounds: usize,
-) -> Option<Refit> {
-    if level_rounds > 0 {
-        best.model = fit_levels(rides, free, &best.model, level_rounds);
-        best = polish(rides, best, 1)?;
+/// The rest of the fit that a sketch began: parameters, levels and columns in turn for as long as
+/// that gains anything. A strong effect takes several turns: levels fall once it is explained, and
+/// what the calibration did without it has to be undone.
+pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit> {
+    let mut best = polish(rides, sketch, ROUNDS)?;
+    for _ in 0..MOST_TURNS {
+        let before = best.cost;
+        best.model = fit_levels(rides, free, &best.model, 1);
+        let passes = Passes::run(rides, &best.model, false)?;
+        let is_strong = before - cost(&passes, &best) > REFRESHED_FROM_NATS;
+        if is_strong {
+            best = refreshed(rides, best)?;
+        }
+        best = polish(rides, best, if is_strong { 2 } else { 1 })?;
+        if before - best.cost < SETTLED_NATS {
+            break;
+        }
     }
+    finish(rides, best)
+}
+
+/// The calibration's columns at the present model.
+pub fn refreshed(rides: &Rides, mut baseline: Baseline) -> Option<Baseline> {
+    let passes = Passes::run(rides, &baseline.model, true)?;
+    let all = calibration_columns(rides, &baseline.model, &passes, &baseline.all, &baseline.z);
+    baseline.columns = all
+        .into_iter()
+        .enumerate()
+        .filter(|(_, c)| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats)
+        .collect();
+    baseline.cost = cost(&passes, &baseline);
+    Some(baseline)
+}
+
+/// Uncertainties of a fit.
+pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
     let passes = Passes::run(rides, &best.model, true)?;
     let own: Vec<Vec<Column>> = (0..best.model.active.len())
         .map(|i| active_columns(rides, &best, &passes, i))
@@ -241,7 +283,15 @@ pub fn finish(
                 })
                 .collect()
         })
-        .collect();
+        .collect::<Vec<Vec<f64>>>();
+    let random = |(index, own): (usize, Vec<f64>)| {
+        if best.model.active[index].mechanism.is_random() {
+            random::errors(rides, &best, index)
+        } else {
+            own
+        }
+    };
+    let sd = sd.into_iter().enumerate().map(random).collect();
     best.cost = cost(&passes, &best);
     Some(Refit { baseline: best, sd })
 }

@@ -6,7 +6,8 @@ use super::answer::{
 };
 use super::faults;
 use super::fitting::{Baseline, calibrated, prepare, start};
-use super::greedy::{Found, Material, search};
+use super::contender::Material;
+use super::greedy::{Found, search};
 use super::limits;
 use super::testable::obstacle;
 use super::thresholds::{self, THRESHOLDS};
@@ -291,6 +292,7 @@ fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides
                     },
                 );
             }
+            None if tested.mechanism.is_random() => {}
             None => answer.not_testable.push(NotTestable {
                 mechanism: card.name.to_owned(),
                 why: limits::SAME_AS_TOLERANCE.to_owned(),

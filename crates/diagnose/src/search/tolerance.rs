@@ -19,6 +19,11 @@ pub const PREFIX: &str = "tolerance:";
 /// the calibration, and not so far that a parameter can stand in for anything.
 const FARTHEST_SD: f64 = 6.0;
 
+/// Whether a candidate is a parameter out of tolerance.
+pub fn is_candidate(mechanism: &dyn Mechanism) -> bool {
+    mechanism.card().name.starts_with(PREFIX)
+}
+
 /// Candidates live as long as the program, as mechanisms do: one for each symbol and range.
 static ALL: Mutex<Vec<&'static Free>> = Mutex::new(Vec::new());
 

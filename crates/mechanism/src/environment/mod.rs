@@ -2,8 +2,10 @@
 
 mod cross_slope;
 mod crosswind;
+mod gust;
 mod longitudinal_slope;
 
 pub use cross_slope::CrossSlope;
 pub use crosswind::Crosswind;
+pub use gust::Gust;
 pub use longitudinal_slope::LongitudinalSlope;

@@ -54,25 +54,30 @@ impl Mechanism for CorneringStiffness {
     }
 
     fn wrench(&self, p: &[f64], at: &Moment<'_>, _memory: &[f64]) -> Wrench {
-        let (v, b) = (at.speed_m_s, at.body);
-        let share = b.front_share();
-        let front = b.mass_kg * share * v;
-        let rear = b.mass_kg * (1.0 - share) * v;
-        let (yaw, turn) = (at.yaw_rate_rad_s(), at.yaw_accel_rad_s2());
-        // Roll acceleration loads both wheels through the height of the centre.
-        let lift = b.mass_kg * b.centre_m[1] * at.accel_rad_s2[0];
-        let (front_n, rear_n) = (
-            front * yaw + lift * share,
-            rear * yaw + lift * (1.0 - share),
-        );
-        let wheelbase = b.parameters.w;
-        let rate = v * p[0] * (rear_n - front_n) / wheelbase;
-        let slope = v * p[0] * (rear - front) * turn / wheelbase;
-        let mut wrench = b.slip_wrench(v, rate, slope);
-        // The rear contact's sideways acceleration.
-        let aside = -v * p[0] * rear * turn;
-        wrench.roll_nm -= b.mass_kg * b.centre_m[1] * aside;
-        wrench.steer_nm -= b.yaw[1] * b.mass_kg * b.centre_m[0] * aside;
-        wrench
+        slipping(p[0], &at.settled(|at| slipping(p[0], at)))
     }
+}
+
+/// Wrench of the slip with the accelerations of `at`.
+fn slipping(compliance_rad_n: f64, at: &Moment<'_>) -> Wrench {
+    let (v, b) = (at.speed_m_s, at.body);
+    let share = b.front_share();
+    let front = b.mass_kg * share * v;
+    let rear = b.mass_kg * (1.0 - share) * v;
+    let (yaw, turn) = (at.yaw_rate_rad_s(), at.yaw_accel_rad_s2());
+    // Roll acceleration loads both wheels through the height of the centre.
+    let lift = b.mass_kg * b.centre_m[1] * at.accel_rad_s2[0];
+    let (front_n, rear_n) = (
+        front * yaw + lift * share,
+        rear * yaw + lift * (1.0 - share),
+    );
+    let wheelbase = b.parameters.w;
+    let rate = v * compliance_rad_n * (rear_n - front_n) / wheelbase;
+    let slope = v * compliance_rad_n * (rear - front) * turn / wheelbase;
+    let mut wrench = b.slip_wrench(v, rate, slope);
+    // The rear contact's sideways acceleration.
+    let aside = -v * compliance_rad_n * rear * turn;
+    wrench.roll_nm -= b.mass_kg * b.centre_m[1] * aside;
+    wrench.steer_nm -= b.yaw[1] * b.mass_kg * b.centre_m[0] * aside;
+    wrench
 }

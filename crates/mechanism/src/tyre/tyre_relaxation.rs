@@ -41,6 +41,13 @@ static CARD: Card = Card {
     separated_by: "steering to 3 Hz at three speeds: the lag in time falls with speed, a sensor delay does not",
 };
 
+/// Wrench of the yaw rate that is still lacking, with the accelerations of `at`.
+fn lagging(length_m: f64, at: &Moment<'_>, yaw_rate_rad_s: f64) -> Wrench {
+    let lack = yaw_rate_rad_s - at.yaw_rate_rad_s();
+    let slope = -lack * at.speed_m_s.abs() / length_m.max(1e-6) - at.yaw_accel_rad_s2();
+    at.body.slip_wrench(at.speed_m_s, lack, slope)
+}
+
 impl Mechanism for TyreRelaxation {
     fn card(&self) -> &'static Card {
         &CARD
@@ -61,7 +68,9 @@ impl Mechanism for TyreRelaxation {
         }
         // Exact over the step for a yaw rate that changes evenly.
         let rate = at.speed_m_s.abs() / p[0].max(1e-6);
-        let slope = at.yaw_accel_rad_s2();
+        let slope = at
+            .settled(|at| lagging(p[0], at, memory[0]))
+            .yaw_accel_rad_s2();
         let settled = kinematic - slope / rate;
         let decay = libm::exp(-rate * at.dt_s);
         memory[0] = settled + slope * at.dt_s + (memory[0] - settled) * decay;
@@ -71,8 +80,7 @@ impl Mechanism for TyreRelaxation {
         if p[0] <= 0.0 {
             return Wrench::default();
         }
-        let lack = memory[0] - at.yaw_rate_rad_s();
-        let slope = -lack * at.speed_m_s.abs() / p[0].max(1e-6) - at.yaw_accel_rad_s2();
-        at.body.slip_wrench(at.speed_m_s, lack, slope)
+        let lagging = |at: &Moment<'_>| lagging(p[0], at, memory[0]);
+        lagging(&at.settled(lagging))
     }
 }
