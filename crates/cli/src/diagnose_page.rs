@@ -2,7 +2,7 @@
 
 use twinhub_diagnose::{Answer, Verdict};
 use twinhub_report::diagnose::{
-    CandidateBar, CauseRow, ChannelTrace, DiagnosePage, GainRow, SpectrumPlot,
+    CandidateBar, CauseRow, ChannelTrace, CurvePlot, DiagnosePage, GainRow, LatentPlot, SpectrumPlot,
 };
 use twinhub_report::page::Tone;
 
@@ -72,6 +72,19 @@ pub fn page(answer: &Answer) -> DiagnosePage {
                 limit: s.limit.clone(),
             })
             .collect(),
+        latent: answer.pictures.latent.as_ref().map(|l| LatentPlot {
+            equation: l.equation.clone(),
+            ride: l.trace.ride.clone(),
+            t_s: l.trace.t_s.clone(),
+            torque_nm: l.trace.torque_nm.clone(),
+            curve: l.curve.as_ref().map(|c| CurvePlot {
+                over: format!("{}, {}", c.over, c.unit),
+                x: c.x.clone(),
+                torque_nm: c.torque_nm.clone(),
+                low_nm: c.low_nm.clone(),
+                high_nm: c.high_nm.clone(),
+            }),
+        }),
         candidates: answer
             .candidates
             .iter()

@@ -27,6 +27,27 @@ pub struct SpectrumPlot {
     pub limit: Vec<f64>,
 }
 
+/// The torque that has no name.
+#[derive(Clone, Debug, Default)]
+pub struct LatentPlot {
+    pub equation: String,
+    pub ride: String,
+    pub t_s: Vec<f64>,
+    pub torque_nm: Vec<f64>,
+    /// Over the quantity with which it goes, if it goes with any.
+    pub curve: Option<CurvePlot>,
+}
+
+/// Mean torque over a quantity, with 95 % interval.
+#[derive(Clone, Debug, Default)]
+pub struct CurvePlot {
+    pub over: String,
+    pub x: Vec<f64>,
+    pub torque_nm: Vec<f64>,
+    pub low_nm: Vec<f64>,
+    pub high_nm: Vec<f64>,
+}
+
 /// One refitted candidate.
 #[derive(Clone, Debug, Default)]
 pub struct CandidateBar {
@@ -68,6 +89,7 @@ pub struct DiagnosePage {
     pub statements: Vec<String>,
     pub traces: Vec<ChannelTrace>,
     pub spectra: Vec<SpectrumPlot>,
+    pub latent: Option<LatentPlot>,
     pub candidates: Vec<CandidateBar>,
     pub causes: Vec<CauseRow>,
     pub gains: Vec<GainRow>,
@@ -96,6 +118,21 @@ pub fn diagnose_page(data: &DiagnosePage) -> String {
         page.section("What is left in each equation");
         page.note("Power of the torque that the model lacks, by frequency; 1 is what noise gives. Of noise alone, 99 % lies below the dashed line.");
         page.picture(&spectra(&data.spectra));
+    }
+    if let Some(latent) = &data.latent {
+        page.section("What has no name");
+        page.note(&format!(
+            "The {} torque that the model lacks, as the predictor sees it, over the stretch where it is largest ({}).",
+            latent.equation, latent.ride
+        ));
+        page.picture(&force(latent));
+        if let Some(curve) = &latent.curve {
+            page.note(&format!(
+                "Its mean over {}, with 95 % interval. The shape may have a name: a step is friction, a straight line stiffness or damping.",
+                curve.over
+            ));
+            page.picture(&force_curve(curve));
+        }
     }
     if !data.candidates.is_empty() {
         page.section("Candidates");
@@ -240,6 +277,50 @@ fn spectra(list: &[SpectrumPlot]) -> String {
         title: "Residual power by equation",
         x_title: "frequency, Hz",
         panels,
+        ..Chart::default()
+    }
+    .svg()
+}
+
+fn force(latent: &LatentPlot) -> String {
+    Chart {
+        title: "Torque that the model lacks",
+        panels: vec![Panel {
+            title: &latent.equation,
+            unit: "Nm",
+            series: vec![Series {
+                name: "torque",
+                style: 0,
+                x: &latent.t_s,
+                y: &latent.torque_nm,
+            }],
+            levels: vec![],
+        }],
+        ..Chart::default()
+    }
+    .svg()
+}
+
+fn force_curve(curve: &CurvePlot) -> String {
+    let series = |name, style, y| Series {
+        name,
+        style,
+        x: &curve.x,
+        y,
+    };
+    Chart {
+        title: "Mean torque that the model lacks",
+        x_title: &curve.over,
+        panels: vec![Panel {
+            title: "torque",
+            unit: "Nm",
+            series: vec![
+                series("95 % from", 2, &curve.low_nm),
+                series("95 % to", 2, &curve.high_nm),
+                series("mean", 0, &curve.torque_nm),
+            ],
+            levels: vec![],
+        }],
         ..Chart::default()
     }
     .svg()

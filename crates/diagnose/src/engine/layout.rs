@@ -94,3 +94,8 @@ impl Layout {
         variance
     }
 }
+
+/// The state of the latent torque on roll (0) or steer (1), if the model has it.
+pub fn latent_state(ride: &Ride, model: &Model, axis: usize) -> Option<usize> {
+    Layout::new(ride, model).latent[axis].map(|(state, _)| state)
+}

@@ -16,6 +16,7 @@ pub mod small;
 mod speed;
 mod state;
 
+pub use layout::latent_state;
 pub use pass::{Pass, Prepared};
 pub use ride::{FreeNoise, Refusal, Ride};
 pub use setup::{Active, Latent, Levels, Model, Plant};

@@ -130,7 +130,11 @@ pub struct LatentForce {
     pub equation: String,
     pub sd_nm: f64,
     pub time_s: f64,
+    /// Null without held-out rides.
     pub held_out_gain_nats: Option<f64>,
+    /// The quantity with which it correlates most, if it does with any.
+    pub goes_with: Option<String>,
+    pub correlation: Option<f64>,
 }
 
 /// Everything that a diagnosis says.

@@ -16,6 +16,7 @@ use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use crate::engine::{FreeNoise, Model, Pass, Plant, Prepared, Ride, sensitivity};
 use crate::study::{Study, Tolerance};
+use std::sync::Arc;
 use twinhub_linear::SYMBOLS;
 
 /// Whitened innovations and columns, of all rides one after the other.
@@ -24,6 +25,39 @@ pub type Column = Vec<f64>;
 /// The rides of one use.
 #[derive(Clone, Debug)]
 pub struct Rides(pub Vec<Prepared>);
+
+/// Length of an excerpt of a ride.
+const EXCERPT_S: f64 = 8.0;
+
+impl Rides {
+    /// The middle of the longest window of each ride, some seconds long: enough for a first look.
+    pub fn excerpt(&self, model: &Model) -> Option<Self> {
+        let plant = model.plant().ok()?;
+        let cut = |prepared: &Prepared| {
+            let mut ride = prepared.ride.clone();
+            let longest = ride
+                .windows
+                .iter()
+                .copied()
+                .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+            let middle = 0.5 * (longest[0] + longest[1]);
+            let from = longest[0].max(middle - 0.5 * EXCERPT_S);
+            let to = longest[1].min(middle + 0.5 * EXCERPT_S);
+            ride.windows = vec![[from, to]];
+            for sensor in &mut ride.sensors {
+                sensor.samples.retain(|(t, _)| *t >= from && *t < to);
+            }
+            Some(Prepared::new(ride, &plant))
+        };
+        let rides: Vec<Prepared> = self.0.iter().filter_map(cut).collect();
+        let empty = rides.iter().all(|r| r.course.readings.is_empty());
+        (!empty).then_some(Self(rides))
+    }
+
+    fn readings(&self) -> usize {
+        self.0.iter().map(|r| r.course.readings.len()).sum()
+    }
+}
 
 /// One model's passes over rides.
 pub struct Passes {
@@ -52,7 +86,7 @@ impl Passes {
         self.passes.iter().map(Pass::minus_log_likelihood).sum()
     }
 
-    fn course<'a>(&'a self, rides: &'a Rides, index: usize) -> &'a crate::engine::course::Course {
+    pub fn course<'a>(&'a self, rides: &'a Rides, index: usize) -> &'a crate::engine::course::Course {
         self.courses[index]
             .as_ref()
             .unwrap_or(&rides.0[index].course)
@@ -92,6 +126,52 @@ impl Passes {
     }
 }
 
+/// Columns of the calibration parameters that matter, with their index into all, and their products.
+#[derive(Debug, Default)]
+pub struct Columns {
+    pub list: Vec<(usize, Column)>,
+    /// One column times another, by rows.
+    products: Vec<f64>,
+}
+
+impl Columns {
+    /// Leaves out those that move the innovations too little.
+    fn new(all: Vec<Column>) -> Arc<Self> {
+        let matters = |c: &Column| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats;
+        let list: Vec<(usize, Column)> = all
+            .into_iter()
+            .enumerate()
+            .filter(|(_, c)| matters(c))
+            .collect();
+        let m = list.len();
+        let mut products = vec![0.0; m * m];
+        for i in 0..m {
+            for j in 0..=i {
+                let x = dot(&list[i].1, &list[j].1);
+                products[i * m + j] = x;
+                products[j * m + i] = x;
+            }
+        }
+        Arc::new(Self { list, products })
+    }
+
+    /// Of the baseline's model, after a pass over the rides.
+    pub fn of(rides: &Rides, baseline: &Baseline, passes: &Passes) -> Arc<Self> {
+        Self::new(calibration_columns(
+            rides,
+            &baseline.model,
+            passes,
+            &baseline.all,
+            &baseline.z,
+        ))
+    }
+
+    /// Product of the columns at two places of the list.
+    pub fn product(&self, i: usize, j: usize) -> f64 {
+        self.products[i * self.list.len() + j]
+    }
+}
+
 /// One calibration parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibrated {
@@ -127,7 +207,7 @@ pub fn moved(model: &Model, all: &[Calibrated], z: &[f64]) -> Option<Model> {
 }
 
 /// Columns of the calibration parameters, one declared standard deviation each.
-pub fn calibration_columns(
+fn calibration_columns(
     rides: &Rides,
     model: &Model,
     passes: &Passes,
@@ -158,8 +238,7 @@ pub struct Baseline {
     pub model: Model,
     pub all: Vec<Calibrated>,
     pub z: Vec<f64>,
-    /// Columns of the parameters that matter, with their index into `all`.
-    pub columns: Vec<(usize, Column)>,
+    pub columns: Arc<Columns>,
     /// Log likelihood of the fit rides, prior included, with the sign turned.
     pub cost: f64,
 }
@@ -294,23 +373,32 @@ pub fn fit_levels(rides: &Rides, free: &FreeNoise, model: &Model, rounds: usize)
 }
 
 /// Gauss-Newton step of parameters with a box: minimises |e + C d|² + prior, entries at the box
-/// stay there.
+/// stay there. The columns are those of the calibration, then some more.
 pub fn bounded_step(
     residual: &Column,
-    columns: &[&Column],
+    calibration: &Columns,
+    more: &[&Column],
     precision: &[f64],
     at: &[f64],
     origin: &[f64],
     least: &[f64],
     most: &[f64],
 ) -> Vec<f64> {
+    let known = calibration.list.len();
+    let columns: Vec<&Column> = (calibration.list.iter().map(|(_, c)| c))
+        .chain(more.iter().copied())
+        .collect();
     let m = columns.len();
     let mut normal = vec![0.0; m * m];
     let mut right = vec![0.0; m];
     for i in 0..m {
         right[i] = -dot(columns[i], residual) - precision[i] * (at[i] - origin[i]);
         for j in 0..=i {
-            let x = dot(columns[i], columns[j]);
+            let x = if i < known {
+                calibration.product(i, j)
+            } else {
+                dot(columns[i], columns[j])
+            };
             normal[i * m + j] = x;
             normal[j * m + i] = x;
         }
@@ -372,100 +460,85 @@ impl Baseline {
         all: Vec<Calibrated>,
         progress: &mut dyn FnMut(&str),
     ) -> Option<Self> {
-        progress("noise levels");
-        let mut model = fit_levels(rides, free, &model, 8);
-        let mut z = vec![0.0; all.len()];
-        let mut baseline = None;
-        for round in 0..2 {
-            progress(&format!("calibration, round {}", round + 1));
-            let (m, fitted, columns, cost) = calibrate(rides, &model, &all, &z)?;
-            (model, z) = (m, fitted);
-            let refined = fit_levels(rides, free, &model, if round == 0 { 4 } else { 2 });
-            let settled = refined.levels == model.levels;
-            model = refined;
-            baseline = Some((columns, cost));
-            if settled {
-                break;
-            }
-        }
-        let (columns, _) = baseline?;
         let mut this = Self {
+            z: vec![0.0; all.len()],
             model,
             all,
-            z,
-            columns,
+            columns: Arc::default(),
             cost: 0.0,
         };
-        this.refresh(rides)?;
+        progress("noise levels");
+        // Long rides: most of the way on an excerpt.
+        let excerpt = rides.excerpt(&this.model);
+        match excerpt.filter(|e| 3 * e.readings() < rides.readings()) {
+            Some(excerpt) => {
+                this.model = fit_levels(&excerpt, free, &this.model, 6);
+                this.calibrate(&excerpt, 2)?;
+                this.model = fit_levels(&excerpt, free, &this.model, 3);
+            }
+            None => {
+                this.model = fit_levels(rides, free, &this.model, 5);
+                this.calibrate(rides, 2)?;
+                this.model = fit_levels(rides, free, &this.model, 3);
+            }
+        }
+        progress("calibration");
+        this.calibrate(rides, 2)?;
+        this.model = fit_levels(rides, free, &this.model, 3);
+        this.calibrate(rides, 2)?;
         Some(this)
     }
 
-    /// Columns and cost at the present levels.
-    fn refresh(&mut self, rides: &Rides) -> Option<()> {
-        let (model, z, columns, cost) = calibrate(rides, &self.model, &self.all, &self.z)?;
-        (self.model, self.z, self.columns, self.cost) = (model, z, columns, cost);
+    /// Gauss-Newton steps on the calibration parameters at fixed levels, `most` of them.
+    fn calibrate(&mut self, rides: &Rides, most: usize) -> Option<()> {
+        let prior = |z: &[f64]| 0.5 * dot(z, z);
+        self.model = moved(&self.model, &self.all, &self.z)?;
+        let mut passes = Passes::run(rides, &self.model, true)?;
+        self.cost = passes.minus_log_likelihood() + prior(&self.z);
+        let limit = THRESHOLDS.calibration_box_sd;
+        for _ in 0..most {
+            self.columns = Columns::of(rides, self, &passes);
+            let kept = &self.columns.list;
+            let m = kept.len();
+            if m == 0 {
+                break;
+            }
+            let at: Vec<f64> = kept.iter().map(|(i, _)| self.z[*i]).collect();
+            let step = bounded_step(
+                &passes.whitened(),
+                &self.columns,
+                &[],
+                &vec![1.0; m],
+                &at,
+                &vec![0.0; m],
+                &vec![-limit; m],
+                &vec![limit; m],
+            );
+            let mut share = 1.0;
+            let mut gained = 0.0;
+            while share > 0.1 {
+                let mut there = self.z.clone();
+                for ((i, _), d) in kept.iter().zip(&step) {
+                    there[*i] = (there[*i] + share * d).clamp(-limit, limit);
+                }
+                let trial = moved(&self.model, &self.all, &there);
+                let found = trial.and_then(|m| Passes::run(rides, &m, true).map(|p| (m, p)));
+                if let Some((m, p)) = found {
+                    let value = p.minus_log_likelihood() + prior(&there);
+                    if value < self.cost {
+                        gained = self.cost - value;
+                        (self.model, passes, self.cost, self.z) = (m, p, value, there);
+                        break;
+                    }
+                }
+                share *= 0.4;
+            }
+            if gained < 0.1 {
+                break;
+            }
+        }
         Some(())
     }
-}
-
-type Fit = (Model, Vec<f64>, Vec<(usize, Column)>, f64);
-
-/// Two Gauss-Newton steps on the calibration parameters at fixed levels.
-fn calibrate(rides: &Rides, model: &Model, all: &[Calibrated], z: &[f64]) -> Option<Fit> {
-    let mut z = z.to_vec();
-    let prior = |z: &[f64]| 0.5 * dot(z, z);
-    let mut model = moved(model, all, &z)?;
-    let mut passes = Passes::run(rides, &model, true)?;
-    let mut cost = passes.minus_log_likelihood() + prior(&z);
-    let limit = THRESHOLDS.calibration_box_sd;
-    let mut kept: Vec<(usize, Column)> = vec![];
-    for _ in 0..3 {
-        let columns = calibration_columns(rides, &model, &passes, all, &z);
-        kept = columns
-            .into_iter()
-            .enumerate()
-            .filter(|(_, c)| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats)
-            .collect();
-        let residual = passes.whitened();
-        let list: Vec<&Column> = kept.iter().map(|(_, c)| c).collect();
-        let at: Vec<f64> = kept.iter().map(|(i, _)| z[*i]).collect();
-        let m = kept.len();
-        if m == 0 {
-            break;
-        }
-        let step = bounded_step(
-            &residual,
-            &list,
-            &vec![1.0; m],
-            &at,
-            &vec![0.0; m],
-            &vec![-limit; m],
-            &vec![limit; m],
-        );
-        let mut share = 1.0;
-        let mut gained = 0.0;
-        while share > 0.1 {
-            let mut there = z.clone();
-            for ((i, _), d) in kept.iter().zip(&step) {
-                there[*i] = (there[*i] + share * d).clamp(-limit, limit);
-            }
-            let trial = moved(&model, all, &there);
-            let found = trial.and_then(|m| Passes::run(rides, &m, true).map(|p| (m, p)));
-            if let Some((m, p)) = found {
-                let value = p.minus_log_likelihood() + prior(&there);
-                if value < cost {
-                    gained = cost - value;
-                    (model, passes, cost, z) = (m, p, value, there);
-                    break;
-                }
-            }
-            share *= 0.4;
-        }
-        if gained < 0.1 {
-            break;
-        }
-    }
-    Some((model, z, kept, cost))
 }
 
 /// Prepares rides for a plant.

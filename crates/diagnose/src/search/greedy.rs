@@ -107,6 +107,7 @@ pub fn search(
             .filter(|m| {
                 let name = m.card().name;
                 accepted.iter().all(|a| a.mechanism.card().name != name)
+                    && (!tolerance::is_candidate(*m) || tolerance::is_at_end(*m, &baseline))
             })
             .collect();
         let bench = Bench::new(material.fit, &baseline)?;
@@ -128,7 +129,7 @@ pub fn search(
                 .collect();
             let random = left.iter().copied().filter(|m| m.is_random());
             sketches.extend(random.filter_map(|m| Sketch::random(material, &baseline, m)));
-            if is_strained(&baseline, !sketches.is_empty()) {
+            if is_strained(&baseline) {
                 let guesses = screen(material, &baseline, &left, progress);
                 for guess in guesses.into_iter().take(THRESHOLDS.screened) {
                     progress(&format!("first steps of {}", guess.mechanism.card().name));
@@ -192,7 +193,7 @@ pub fn search(
     }
     let disagreement = disagreement(material.fit, &baseline, &accepted);
     progress("what is left");
-    let left = leftovers(material, &baseline, decide)?;
+    let left = leftovers(material, &baseline, &accepted, decide)?;
     Some(Found {
         refit: last,
         accepted,
@@ -203,6 +204,12 @@ pub fn search(
         disagreement,
         baseline,
     })
+}
+
+/// Largest gain of the causes but one.
+fn most_nats(accepted: &[Accepted], but: usize) -> f64 {
+    let others = accepted.iter().enumerate().filter(|(i, _)| *i != but);
+    others.map(|(_, a)| a.gain.nats).fold(0.0, f64::max)
 }
 
 /// Drops causes that cost nothing to drop.
@@ -228,7 +235,8 @@ fn eliminate(
             }
             _ => without.cost - baseline.cost,
         };
-        if loss < THRESHOLDS.elimination_nats {
+        if loss < THRESHOLDS.elimination_nats.max(THRESHOLDS.least_share * most_nats(accepted, index))
+        {
             accepted.remove(index);
             baseline = without;
         } else {
@@ -301,7 +309,12 @@ fn disagreement_p(bench: &Bench<'_>, column: &[f64], count: usize) -> Option<f64
 }
 
 /// Probes that still explain something.
-fn leftovers(material: &Material<'_>, baseline: &Baseline, decide: bool) -> Option<Vec<Left>> {
+fn leftovers(
+    material: &Material<'_>,
+    baseline: &Baseline,
+    accepted: &[Accepted],
+    decide: bool,
+) -> Option<Vec<Left>> {
     let bench = Bench::new(material.fit, baseline)?;
     let longitudinal = material.fit.0.iter().any(|r| r.ride.speed.is_none());
     let mut scores: Vec<(&'static Probe, Score)> = PROBES
@@ -324,7 +337,8 @@ fn leftovers(material: &Material<'_>, baseline: &Baseline, decide: bool) -> Opti
             continue;
         };
         let gain = sketch.gain(material, before.as_ref());
-        if !decide || gain.is_decisive() {
+        let least = THRESHOLDS.least_share * most_nats(accepted, usize::MAX);
+        if !decide || (gain.is_decisive() && gain.nats > least) {
             left.push(Left {
                 probe,
                 p_value: score.p_value,

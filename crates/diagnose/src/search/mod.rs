@@ -8,6 +8,7 @@ mod faults;
 mod fitting;
 mod gain;
 mod greedy;
+mod latent;
 mod limits;
 mod locate;
 mod modes;

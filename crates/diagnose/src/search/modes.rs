@@ -14,7 +14,7 @@
 //! Checked by: `tests` of the search: own modes are explained, others are not.
 
 use super::answer::{Answer, Candidate, Verdict, Where};
-use super::fitting::{Calibrated, bounded_step, calibrated};
+use super::fitting::{Columns, Calibrated, bounded_step, calibrated};
 use super::run::{DiagnoseError, empty};
 use super::thresholds::THRESHOLDS;
 use super::words;
@@ -193,6 +193,7 @@ fn fit(
         let list: Vec<&Vec<f64>> = columns.iter().collect();
         let step = bounded_step(
             &r,
+            &Columns::default(),
             &list,
             &precision,
             &x,

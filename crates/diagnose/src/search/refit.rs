@@ -13,13 +13,15 @@
 //! Checked by: `tests` of the search.
 
 use super::fitting::{
-    Baseline, Column, Passes, Rides, bounded_step, calibration_columns, fit_levels, moved,
+    Baseline, Column, Columns, Passes, Rides, bounded_step, fit_levels, moved,
 };
 use super::random;
 use super::score::active_columns;
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use crate::engine::{Active, FreeNoise};
+use crate::quantity::Quantity;
+use std::collections::BTreeMap;
 use twinhub_mechanism::Mechanism;
 
 /// A fitted extension of a baseline.
@@ -79,10 +81,9 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
         let own: Vec<Vec<Column>> = (0..now.model.active.len())
             .map(|i| active_columns(rides, &now, &passes, i))
             .collect();
-        let (mut columns, mut weights): (Vec<&Column>, Vec<f64>) = (vec![], vec![]);
+        let (mut more, mut weights): (Vec<&Column>, Vec<f64>) = (vec![], vec![]);
         let (mut at, mut origin, mut least, mut most) = (vec![], vec![], vec![], vec![]);
-        for (i, column) in &now.columns {
-            columns.push(column);
+        for (i, _) in &now.columns.list {
             weights.push(1.0);
             at.push(now.z[*i]);
             origin.push(0.0);
@@ -92,7 +93,7 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
         for (a, list) in now.model.active.iter().zip(&own) {
             let null = a.mechanism.null(&now.model.bicycle.parameters);
             for (k, (param, column)) in a.mechanism.card().parameters.iter().zip(list).enumerate() {
-                columns.push(column);
+                more.push(column);
                 weights.push(
                     precision(k, param.name, param.most - param.least) + 1e-7 * dot(column, column),
                 );
@@ -104,7 +105,8 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
         }
         let step = bounded_step(
             &passes.whitened(),
-            &columns,
+            &now.columns,
+            &more,
             &weights,
             &at,
             &origin,
@@ -120,7 +122,7 @@ pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline>
                 .zip(&at)
                 .zip(least.iter().zip(&most))
                 .map(|((d, a), (l, m))| (a + share * d).clamp(*l, *m));
-            for (i, _) in &now.columns {
+            for (i, _) in &now.columns.list {
                 there.z[*i] = next.next()?;
             }
             for a in &mut there.model.active {
@@ -205,6 +207,9 @@ pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit>
     let mut best = polish(rides, sketch, ROUNDS)?;
     for _ in 0..MOST_TURNS {
         let before = best.cost;
+        if !are_levels_off(rides, &best)? {
+            break;
+        }
         best.model = fit_levels(rides, free, &best.model, 1);
         let passes = Passes::run(rides, &best.model, false)?;
         let is_strong = before - cost(&passes, &best) > REFRESHED_FROM_NATS;
@@ -222,14 +227,30 @@ pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit>
 /// The calibration's columns at the present model.
 pub fn refreshed(rides: &Rides, mut baseline: Baseline) -> Option<Baseline> {
     let passes = Passes::run(rides, &baseline.model, true)?;
-    let all = calibration_columns(rides, &baseline.model, &passes, &baseline.all, &baseline.z);
-    baseline.columns = all
-        .into_iter()
-        .enumerate()
-        .filter(|(_, c)| 0.5 * dot(c, c) > THRESHOLDS.calibration_least_nats)
-        .collect();
+    baseline.columns = Columns::of(rides, &baseline, &passes);
     baseline.cost = cost(&passes, &baseline);
     Some(baseline)
+}
+
+/// Whether the innovations of some sensor are smaller or larger than the levels say, by more than
+/// chance.
+fn are_levels_off(rides: &Rides, fit: &Baseline) -> Option<bool> {
+    const LEAST_Z: f64 = 3.0;
+    let passes = Passes::run(rides, &fit.model, false)?;
+    // By quantity: sum of squares over variances, and count.
+    let mut sums: BTreeMap<Quantity, [f64; 2]> = BTreeMap::new();
+    for (index, pass) in passes.passes.iter().enumerate() {
+        let sensors = &rides.0[index].ride.sensors;
+        let readings = &passes.course(rides, index).readings;
+        for (reading, (e, s)) in readings.iter().zip(pass.error.iter().zip(&pass.variance)) {
+            let sum = sums.entry(sensors[reading.sensor].quantity).or_default();
+            sum[0] += e * e / s;
+            sum[1] += 1.0;
+        }
+    }
+    Some(sums.values().any(|[squares, count]| {
+        (squares - count).abs() > LEAST_Z * (2.0 * count).sqrt()
+    }))
 }
 
 /// Uncertainties of a fit.
@@ -241,6 +262,7 @@ pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
     let flat: Vec<&Column> = own.iter().flatten().collect();
     let all: Vec<&Column> = best
         .columns
+        .list
         .iter()
         .map(|(_, c)| c)
         .chain(flat.iter().copied())

@@ -8,6 +8,7 @@ use super::faults;
 use super::fitting::{Baseline, calibrated, prepare, start};
 use super::contender::Material;
 use super::greedy::{Found, search};
+use super::latent;
 use super::limits;
 use super::testable::obstacle;
 use super::thresholds::{self, THRESHOLDS};
@@ -271,6 +272,8 @@ pub fn diagnose_data(
             gain::fill(&mut answer, &held, &nominal, &calibrated_model, &calibrated_model);
         }
     }
+    progress("what has no name");
+    latent::fill(&mut answer, &material, &found.baseline);
     super::locate::fill(&mut answer, &fit, &calibrated_model, &found);
     answer.plant = plant_file(study, &answer, &found);
     answer.statements = words::statements(&answer);
@@ -338,9 +341,15 @@ fn fill(answer: &mut Answer, found: &Found, held: &crate::search::fitting::Rides
 /// Verdict, confirmations, next experiment.
 fn judge(answer: &mut Answer, found: &Found, decided: bool) {
     let dirty: Vec<&str> = found.left.iter().map(|l| l.probe.equation.name()).collect();
+    let most_left = found.left.iter().map(|l| l.gain.nats).fold(0.0, f64::max);
+    let too_many = found.accepted.len() > THRESHOLDS.most_confirmed;
     for (cause, accepted) in answer.causes.iter_mut().zip(&found.accepted) {
         let own = accepted.mechanism.card().equations;
-        cause.confirmed = decided && !own.iter().any(|e| dirty.contains(&e.name()));
+        // Confirmed is what leaves its own equations clean and explains more than all that is left.
+        cause.confirmed = decided
+            && !too_many
+            && accepted.gain.nats > most_left
+            && !own.iter().any(|e| dirty.contains(&e.name()));
     }
     for left in found
         .left
@@ -432,8 +441,8 @@ fn disagree(answer: &mut Answer, name: &str, p: f64) {
             Verdict::Cause | Verdict::Causes | Verdict::Tolerance
         );
     let meaning = if otherwise_sound {
+        answer.places.retain(|p| p.with.as_deref() == Some(name));
         answer.causes.clear();
-        answer.places.clear();
         answer.next_experiment = None;
         answer.verdict = Verdict::Unknown;
         "not one bicycle, inputs that do not belong to the outputs, or a cause that has no name here"

@@ -77,12 +77,13 @@ impl<'a> Bench<'a> {
         let limit = THRESHOLDS.calibration_box_sd - 1e-6;
         let mut nuisance: Vec<Column> = vec![];
         let mut precision = vec![];
-        for (index, column) in &baseline.columns {
-            // A parameter at its box is held.
-            if baseline.z[*index].abs() < limit {
-                nuisance.push(column.clone());
-                precision.push(1.0);
-            }
+        // A parameter at its box is held.
+        let free: Vec<usize> = (0..baseline.columns.list.len())
+            .filter(|i| baseline.z[baseline.columns.list[*i].0].abs() < limit)
+            .collect();
+        for index in &free {
+            nuisance.push(baseline.columns.list[*index].1.clone());
+            precision.push(1.0);
         }
         for index in 0..baseline.model.active.len() {
             for column in active_columns(rides, baseline, &passes, index) {
@@ -97,7 +98,11 @@ impl<'a> Bench<'a> {
         let mut normal = DMatrix::zeros(m, m);
         for i in 0..m {
             for j in 0..=i {
-                let x = dot(&nuisance[i], &nuisance[j]);
+                let x = if i < free.len() {
+                    baseline.columns.product(free[i], free[j])
+                } else {
+                    dot(&nuisance[i], &nuisance[j])
+                };
                 normal[(i, j)] = x;
                 normal[(j, i)] = x;
             }

@@ -17,14 +17,12 @@ use super::contender::Material;
 use super::fitting::{Baseline, FIRST_PROCESS, Rides, fit_levels, moved};
 use super::refit::{polish, refreshed, sketch};
 use super::score::Bench;
-use super::thresholds::THRESHOLDS;
-use crate::engine::{FreeNoise, Prepared};
+use crate::engine::FreeNoise;
+use crate::engine::small::dot;
 use twinhub_mechanism::Mechanism;
 
-/// Longest excerpt of a ride.
-const EXCERPT_S: f64 = 8.0;
 /// How many mechanisms have their noise levels fitted.
-const MOST_LEVELLED: usize = 8;
+const MOST_LEVELLED: usize = 5;
 
 /// A mechanism, and where its fit may begin. Columns are those of the excerpt.
 pub struct Guess {
@@ -32,12 +30,12 @@ pub struct Guess {
     pub fit: Baseline,
 }
 
-/// Whether the calibration cannot be trusted: parameters lie at the ends of their range, one while
-/// tests find something, or several in any case.
-pub fn is_strained(baseline: &Baseline, is_something_found: bool) -> bool {
-    let most = THRESHOLDS.calibration_box_sd - 1e-3;
-    let at_end = baseline.z.iter().filter(|z| z.abs() > most).count();
-    at_end >= 3 || at_end > 0 && is_something_found
+/// Whether the calibration cannot be trusted: taken together, its parameters lie farther from the
+/// declared values than chance lets them.
+pub fn is_strained(baseline: &Baseline) -> bool {
+    const LEAST_Z: f64 = 3.0;
+    let count = baseline.columns.list.len() as f64;
+    dot(&baseline.z, &baseline.z) > count + LEAST_Z * (2.0 * count).sqrt()
 }
 
 /// The mechanisms that explain most, the best first.
@@ -56,7 +54,7 @@ fn guesses(
     library: &[&'static dyn Mechanism],
     progress: &mut dyn FnMut(&str),
 ) -> Option<Vec<Guess>> {
-    let rides = &excerpt(material.fit, &baseline.model)?;
+    let rides = &material.fit.excerpt(&baseline.model)?;
     let mut declared = baseline.clone();
     declared.z.fill(0.0);
     declared.model = moved(&baseline.model, &baseline.all, &declared.z)?;
@@ -94,30 +92,4 @@ fn level(rides: &Rides, free: &FreeNoise, fit: &mut Baseline) {
     if let Some(better) = polish(rides, fit.clone(), 1) {
         *fit = better;
     }
-}
-
-/// The middle of the longest window of each ride.
-fn excerpt(rides: &Rides, model: &crate::engine::Model) -> Option<Rides> {
-    let plant = model.plant().ok()?;
-    let cut = |prepared: &Prepared| {
-        let mut ride = prepared.ride.clone();
-        let longest = ride
-            .windows
-            .iter()
-            .copied()
-            .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-        let middle = 0.5 * (longest[0] + longest[1]);
-        ride.windows = vec![[
-            longest[0].max(middle - 0.5 * EXCERPT_S),
-            longest[1].min(middle + 0.5 * EXCERPT_S),
-        ]];
-        for sensor in &mut ride.sensors {
-            let [from, to] = ride.windows[0];
-            sensor.samples.retain(|(t, _)| *t >= from && *t < to);
-        }
-        Some(Prepared::new(ride, &plant))
-    };
-    let rides: Vec<Prepared> = rides.0.iter().filter_map(cut).collect();
-    let empty = rides.iter().all(|r| r.course.readings.is_empty());
-    (!empty).then_some(Rides(rides))
 }

@@ -26,6 +26,8 @@ pub struct Thresholds {
     pub set_correlation: f64,
     pub set_share: f64,
     pub most_causes: usize,
+    pub least_share: f64,
+    pub most_confirmed: usize,
     pub elimination_nats: f64,
     pub clean_p_value: f64,
     pub least_vaf: f64,

@@ -1,7 +1,8 @@
 //! A calibration parameter that wants to lie beyond its declared tolerance, as a candidate like any
 //! mechanism: it competes with them, and may turn out the same as one of them.
 
-use super::fitting::Calibrated;
+use super::fitting::{Baseline, Calibrated};
+use super::thresholds::THRESHOLDS;
 use std::sync::{Mutex, PoisonError};
 use twinhub_linear::Parameters;
 use twinhub_mechanism::{Card, Equation, Family, Mechanism, Param};
@@ -22,6 +23,14 @@ const FARTHEST_SD: f64 = 6.0;
 /// Whether a candidate is a parameter out of tolerance.
 pub fn is_candidate(mechanism: &dyn Mechanism) -> bool {
     mechanism.card().name.starts_with(PREFIX)
+}
+
+/// Whether the calibration still wants the candidate's parameter at the end of its tolerance or beyond:
+/// one that only stood in for a cause that is found by now does not.
+pub fn is_at_end(mechanism: &dyn Mechanism, baseline: &Baseline) -> bool {
+    let symbol = mechanism.card().name.strip_prefix(PREFIX);
+    let z = (baseline.all.iter().zip(&baseline.z)).find(|(c, _)| Some(c.symbol) == symbol);
+    z.is_some_and(|(_, z)| z.abs() > THRESHOLDS.calibration_box_sd - 1e-3)
 }
 
 /// Candidates live as long as the program, as mechanisms do: one for each symbol and range.

@@ -91,6 +91,19 @@ pub fn statements(answer: &Answer) -> Vec<String> {
             answer.refused.join(", ")
         ));
     }
+    if let Some(force) = &answer.latent_force {
+        let gain = force.held_out_gain_nats.map_or(String::new(), |g| {
+            format!("; it would gain {g:.1} nats on held-out rides")
+        });
+        let with = match (&force.goes_with, force.correlation) {
+            (Some(name), Some(r)) => format!("; it goes with {name} (correlation {r:.2})"),
+            _ => "; it goes with nothing that was measured".to_owned(),
+        };
+        all.push(format!(
+            "what has no name is like a random {} torque of {:.2} Nm that lasts {:.2} s{gain}{with}",
+            force.equation, force.sd_nm, force.time_s
+        ));
+    }
     if let Some(next) = &answer.next_experiment {
         all.push(format!(
             "next experiment: {} (separates {})",
