@@ -9,16 +9,16 @@
 //! Source: Meijaard et al. (2007), equations (4.1)-(4.3) and appendix A; the slip terms own, by
 //! putting psi' = kinematic + r into (4.1)-(4.3) and eliminating the side force as the paper does.
 //!
-//! Assumes and ignores: small angles; the rear wheel does not slip sideways.
+//! Assumes and ignores: small angles; side forces of driven or braked wheels are those of free ones.
 //!
-//! Valid for: small slip.
+//! Valid for: riding forward.
 //!
 //! Checked by: `tests`: a yaw rate that follows from an additional steer angle pushes as K2 and C1
 //! of that steer angle do.
 
 use crate::hooks::Mechanism;
-use crate::moment::Wrench;
-use nalgebra::Matrix2;
+use crate::moment::{Moment, Wrench};
+use nalgebra::{Matrix2, Vector2};
 use twinhub_linear::{Bicycle, BicycleError, Canonical, MotorPair, Parameters};
 
 /// Coefficients of one bicycle.
@@ -178,6 +178,48 @@ impl Body {
             steer_nm: -(mass * v * rate_rad_s + inertia * accel_rad_s2 + v * spin * rate_rad_s)
                 - s.trail_cos * side,
             yaw_rate_rad_s: rate_rad_s,
+            ..Wrench::default()
+        }
+    }
+
+    /// What slip of both wheels does: z' = A z + b with z the lateral velocity of the rear contact and
+    /// the yaw rate that is added to the kinematic one, for wheels whose side slip per side force is
+    /// `compliance_rad_n`. From the lateral and the yaw balance, with
+    /// F_R = -u/(v k) and F_F = -(u + w r)/(v k).
+    pub fn slip_motion(
+        &self,
+        at: &Moment<'_>,
+        compliance_rad_n: f64,
+    ) -> (Matrix2<f64>, Vector2<f64>) {
+        const LEAST_M_S: f64 = 0.2;
+        let (s, v, m) = (&self.slip, at.speed_m_s, self.mass_kg);
+        let [front_mass, front_inertia, front_spin] = s.front;
+        let (yaw, turn) = (at.yaw_rate_rad_s(), at.yaw_accel_rad_s2());
+        let ([roll_accel, steer_accel], [roll_rate, steer_rate]) = (at.accel_rad_s2, at.rate_rad_s);
+        // Side forces without slip: their sum, and the front one times the wheelbase.
+        let without = Vector2::new(
+            m * v * yaw + s.mx * turn - s.mz * roll_accel + front_mass * steer_accel
+                - at.inputs.side_force_n,
+            s.mx * v * yaw + s.izz * turn + s.ixz * roll_accel + front_inertia * steer_accel
+                - v * (s.spin * roll_rate + front_spin * steer_rate)
+                - at.inputs.yaw_torque_nm,
+        );
+        let stiffness = 1.0 / (v.abs().max(LEAST_M_S) * compliance_rad_n);
+        let w = s.wheelbase_m;
+        let forces = -stiffness * Matrix2::new(2.0, w, w, w * w)
+            - Matrix2::new(0.0, m * v, 0.0, s.mx * v);
+        let inverse = Matrix2::new(m, s.mx, s.mx, s.izz)
+            .try_inverse()
+            .unwrap_or_else(Matrix2::zeros);
+        (inverse * forces, -(inverse * without))
+    }
+
+    /// Torques of a lateral acceleration of the rear contact.
+    pub fn slide_wrench(&self, accel_m_s2: f64) -> Wrench {
+        let s = &self.slip;
+        Wrench {
+            roll_nm: s.mz * accel_m_s2,
+            steer_nm: -(s.front[0] + s.trail_cos * s.mx / s.wheelbase_m) * accel_m_s2,
             ..Wrench::default()
         }
     }

@@ -8,6 +8,9 @@ use nalgebra::{Matrix2, Vector2};
 pub struct Inputs {
     pub roll_torque_nm: f64,
     pub steer_torque_nm: f64,
+    /// Side force on the rear frame, and its torque about the vertical through the rear contact.
+    pub side_force_n: f64,
+    pub yaw_torque_nm: f64,
     pub front_brake_nm: f64,
     pub rear_traction_nm: f64,
 }

@@ -109,6 +109,7 @@ impl Causes {
                 steer_torque_nm: input.steer_torque_nm,
                 front_brake_nm: input.front_brake_nm,
                 rear_traction_nm: input.rear_traction_nm,
+                ..Inputs::default()
             },
             crank_rad: None,
             wheel_rad: None,

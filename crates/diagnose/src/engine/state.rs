@@ -90,8 +90,13 @@ pub fn moment<'a>(
         rear_traction_nm: ends.traction_nm,
         ..Inputs::default()
     };
-    for (drive, value) in ride.drives.iter().zip(&ends.drive) {
+    for ((drive, arm), value) in ride.drives.iter().zip(&setup.arms).zip(&ends.drive) {
         match drive.quantity {
+            Quantity::LateralForce => {
+                inputs.side_force_n += value;
+                // The steer torque of a side force is its yaw torque times c cos(lam)/w.
+                inputs.yaw_torque_nm += arm[1] / setup.plant.body.yaw[1] * value;
+            }
             Quantity::SteerTorque => inputs.steer_torque_nm += value,
             Quantity::RollTorque => inputs.roll_torque_nm += value,
             _ => {}

@@ -41,10 +41,23 @@ static CARD: Card = Card {
     separated_by: "steering to 3 Hz at three speeds: the lag in time falls with speed, a sensor delay does not",
 };
 
-/// Wrench of the yaw rate that is still lacking, with the accelerations of `at`.
-fn lagging(length_m: f64, at: &Moment<'_>, yaw_rate_rad_s: f64) -> Wrench {
-    let lack = yaw_rate_rad_s - at.yaw_rate_rad_s();
-    let slope = -lack * at.speed_m_s.abs() / length_m.max(1e-6) - at.yaw_accel_rad_s2();
+/// How much the yaw rate of the tyres changes over the step: exact for a kinematic one that changes
+/// evenly.
+fn added_rad_s(length_m: f64, at: &Moment<'_>, yaw_rate_rad_s: f64) -> f64 {
+    let rate = at.speed_m_s.abs() / length_m.max(1e-6);
+    let slope = at.yaw_accel_rad_s2();
+    let settled = at.yaw_rate_rad_s() - slope / rate.max(1e-9);
+    let left = -libm::expm1(-rate * at.dt_s);
+    slope * at.dt_s + (settled - yaw_rate_rad_s) * left
+}
+
+/// Wrench of the yaw rate that is still lacking, with the accelerations of `at`; `memory` is the yaw
+/// rate of the tyres and its mean slope over the step before.
+fn lagging(length_m: f64, at: &Moment<'_>, memory: &[f64]) -> Wrench {
+    let lack = memory[0] - at.yaw_rate_rad_s();
+    // Over the steps before and after: a lag that is shorter has settled within them.
+    let next = added_rad_s(length_m, at, memory[0]) / at.dt_s;
+    let slope = 0.5 * (memory[1] + next) - at.yaw_accel_rad_s2();
     at.body.slip_wrench(at.speed_m_s, lack, slope)
 }
 
@@ -57,30 +70,26 @@ impl Mechanism for TyreRelaxation {
     }
 
     fn memory(&self) -> usize {
-        1
+        2
     }
 
     fn remember(&self, p: &[f64], at: &Moment<'_>, memory: &mut [f64], fresh: bool) {
-        let kinematic = at.yaw_rate_rad_s();
         if fresh {
-            memory[0] = kinematic;
-            return;
+            memory[0] = at.yaw_rate_rad_s();
+            memory[1] = at.yaw_accel_rad_s2();
+        } else if at.dt_s > 0.0 {
+            let at = at.settled(|at| lagging(p[0], at, memory));
+            let added = added_rad_s(p[0], &at, memory[0]);
+            memory[0] += added;
+            memory[1] = added / at.dt_s;
         }
-        // Exact over the step for a yaw rate that changes evenly.
-        let rate = at.speed_m_s.abs() / p[0].max(1e-6);
-        let slope = at
-            .settled(|at| lagging(p[0], at, memory[0]))
-            .yaw_accel_rad_s2();
-        let settled = kinematic - slope / rate;
-        let decay = libm::exp(-rate * at.dt_s);
-        memory[0] = settled + slope * at.dt_s + (memory[0] - settled) * decay;
     }
 
     fn wrench(&self, p: &[f64], at: &Moment<'_>, memory: &[f64]) -> Wrench {
-        if p[0] <= 0.0 {
+        if p[0] <= 0.0 || at.dt_s <= 0.0 {
             return Wrench::default();
         }
-        let lagging = |at: &Moment<'_>| lagging(p[0], at, memory[0]);
+        let lagging = |at: &Moment<'_>| lagging(p[0], at, memory);
         lagging(&at.settled(lagging))
     }
 }
