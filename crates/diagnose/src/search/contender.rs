@@ -9,7 +9,7 @@ use super::screen::Guess;
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
 use crate::engine::FreeNoise;
-use twinhub_mechanism::Mechanism;
+use twinhub_mechanism::{Mechanism, Param};
 
 /// Rides for fitting and rides for deciding.
 pub struct Material<'a> {
@@ -149,11 +149,27 @@ pub fn is_at_end(contender: &Contender) -> bool {
     let Some(active) = contender.refit.baseline.model.active.last() else {
         return false;
     };
-    let param = &active.mechanism.card().parameters[0];
-    let margin = 1e-6 * (param.most - param.least);
-    !is_absent(contender)
-        && margin.is_finite()
-        && (active.p[0] <= param.least + margin || active.p[0] >= param.most - margin)
+    let parameters = active.mechanism.card().parameters;
+    // A random force whose time is at an end is another one.
+    let watched = if active.mechanism.is_random() {
+        parameters.len()
+    } else {
+        1
+    };
+    let is_end = |(param, p): (&Param, &f64)| {
+        let margin = 1e-6 * (param.most - param.least);
+        margin.is_finite() && (*p <= param.least + margin || *p >= param.most - margin)
+    };
+    !is_absent(contender) && parameters.iter().zip(&active.p).take(watched).any(is_end)
+}
+
+/// Whether held-out rides decide for it. What is random has to act all the time: else it stands in for
+/// something that acts now and then.
+pub fn is_decided(contender: &Contender) -> bool {
+    let gain = &contender.gain;
+    gain.is_decisive()
+        && (!contender.mechanism.is_random()
+            || gain.share_of_blocks > THRESHOLDS.random_share_of_blocks)
 }
 
 /// Whether it can be no cause.

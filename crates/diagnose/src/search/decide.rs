@@ -38,6 +38,8 @@ pub struct Gain {
     pub every_ride_gains: bool,
     /// Standard error of the sum.
     pub error_nats: f64,
+    /// Share of the blocks that gain.
+    pub share_of_blocks: f64,
 }
 
 impl Gain {
@@ -69,6 +71,7 @@ impl Gain {
             z: if error > 0.0 { mean / error } else { 0.0 },
             every_ride_gains: by_ride.values().all(|g| *g > 0.0),
             error_nats: error * count,
+            share_of_blocks: gains.iter().filter(|g| **g > 0.0).count() as f64 / count,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::contender::{
     Contender, Material, Sketch, Tested, confusion, has_evidence, held_blocks, is_at_end,
-    is_degenerate, pick,
+    is_decided, is_degenerate, pick,
 };
 use super::decide::Gain;
 use super::fitting::{Baseline, Rides};
@@ -115,10 +115,15 @@ pub fn search(
         let blocks = bench.blocks;
         if round < THRESHOLDS.most_causes {
             let before = held_blocks(material.held, &baseline);
+            let least = if accepted.is_empty() {
+                0.0
+            } else {
+                THRESHOLDS.later_nats
+            };
             let fits = |c: &Contender| {
                 !is_degenerate(c)
                     && has_evidence(c, blocks, library.len())
-                    && (!decide || c.gain.is_decisive())
+                    && (!decide || is_decided(c) && c.gain.nats > least)
             };
             let mut sketches: Vec<Sketch> = strongest(&tested)
                 .into_iter()
@@ -235,8 +240,13 @@ fn eliminate(
             }
             _ => without.cost - baseline.cost,
         };
-        if loss < THRESHOLDS.elimination_nats.max(THRESHOLDS.least_share * most_nats(accepted, index))
-        {
+        let most = most_nats(accepted, index);
+        let least = if loss < most {
+            THRESHOLDS.later_nats.max(THRESHOLDS.least_share * most)
+        } else {
+            THRESHOLDS.elimination_nats
+        };
+        if loss < least {
             accepted.remove(index);
             baseline = without;
         } else {

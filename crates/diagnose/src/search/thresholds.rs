@@ -21,6 +21,8 @@ pub struct Thresholds {
     pub held_out_nats: f64,
     pub evidence_nats: f64,
     pub sparse_nats: f64,
+    pub later_nats: f64,
+    pub random_share_of_blocks: f64,
     pub set_z: f64,
     pub set_nats: f64,
     pub set_correlation: f64,
