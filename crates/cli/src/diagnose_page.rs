@@ -2,7 +2,8 @@
 
 use twinhub_diagnose::{Answer, Verdict};
 use twinhub_report::diagnose::{
-    CandidateBar, CauseRow, ChannelTrace, CurvePlot, DiagnosePage, GainRow, LatentPlot, SpectrumPlot,
+    CandidateBar, CauseRow, ChannelTrace, CurvePlot, DiagnosePage, GainRow, LatentPlot,
+    SpectrumPlot,
 };
 use twinhub_report::page::Tone;
 

@@ -206,8 +206,8 @@ impl Body {
         );
         let stiffness = 1.0 / (v.abs().max(LEAST_M_S) * compliance_rad_n);
         let w = s.wheelbase_m;
-        let forces = -stiffness * Matrix2::new(2.0, w, w, w * w)
-            - Matrix2::new(0.0, m * v, 0.0, s.mx * v);
+        let forces =
+            -stiffness * Matrix2::new(2.0, w, w, w * w) - Matrix2::new(0.0, m * v, 0.0, s.mx * v);
         let inverse = Matrix2::new(m, s.mx, s.mx, s.izz)
             .try_inverse()
             .unwrap_or_else(Matrix2::zeros);

@@ -120,9 +120,7 @@ fn probes_act() {
                 || body.parameters != bare.parameters
                 || wrench != Wrench::default()
                 || models
-                || mechanism
-                    .random_force(&p, &bicycle.parameters)
-                    .is_some()
+                || mechanism.random_force(&p, &bicycle.parameters).is_some()
                 || mechanism.law_delay_s(&p) > 0.0;
             assert!(acts, "{}", card.name);
         }

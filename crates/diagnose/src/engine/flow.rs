@@ -257,7 +257,8 @@ mod tests {
             two.compute(&a, &columns, h);
             any.series(&a, &columns, h / 64.0, TERMS);
             any.repeat(64, &columns);
-            let both = |f: &Flow| [&[f.phi.clone()], &f.held[..], &f.ramp[..], &f.half[..]].concat();
+            let both =
+                |f: &Flow| [&[f.phi.clone()], &f.held[..], &f.ramp[..], &f.half[..]].concat();
             for (p, q) in both(&two).concat().iter().zip(both(&any).concat()) {
                 assert!((p - q).abs() < 1e-7, "{h}: {p} {q}");
             }

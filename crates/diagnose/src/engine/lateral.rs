@@ -18,43 +18,41 @@
 //! Checked by: `tests` of the engine: consistency on simulated rides, sensitivities against
 //! differences.
 
-use super::course::{Course, MOST_DRIVES};
+use super::course::Course;
+use super::flow::Flow;
 use super::layout::{HEADING, Layout};
-use super::pass::{Pass, Recorded};
+use super::pass::Pass;
 use super::ride::Ride;
 use super::setup::{Model, Setup};
-use super::flow::Flow;
 use super::small::{dot, sparse_mul};
 use super::state::{self, Balance, Pace, Which};
-use crate::quantity::Quantity;
-use nalgebra::{Matrix2, Vector2};
-use twinhub_mechanism::Moment;
+use nalgebra::Vector2;
 
 /// Derivatives of the wrench's roll and steer torque by the four states.
-type Slope = [[f64; 4]; 2];
+pub(super) type Slope = [[f64; 4]; 2];
 
 #[derive(Clone)]
-struct Work<'a> {
-    ride: &'a Ride,
-    setup: &'a Setup,
-    model: &'a Model,
-    layout: &'a Layout,
-    flow: Flow,
-    a: Vec<f64>,
-    columns: [Vec<f64>; 2],
-    x: Vec<f64>,
-    p: Vec<f64>,
+pub(super) struct Work<'a> {
+    pub(super) ride: &'a Ride,
+    pub(super) setup: &'a Setup,
+    pub(super) model: &'a Model,
+    pub(super) layout: &'a Layout,
+    pub(super) flow: Flow,
+    pub(super) a: Vec<f64>,
+    pub(super) columns: [Vec<f64>; 2],
+    pub(super) x: Vec<f64>,
+    pub(super) p: Vec<f64>,
     /// Transition of the dynamic states, all columns.
-    top: Vec<f64>,
-    w: Vec<f64>,
-    row: Vec<f64>,
-    gain: Vec<f64>,
-    memory: Vec<f64>,
-    next: Vec<f64>,
-    before: Vec<f64>,
+    pub(super) top: Vec<f64>,
+    pub(super) w: Vec<f64>,
+    pub(super) row: Vec<f64>,
+    pub(super) gain: Vec<f64>,
+    pub(super) memory: Vec<f64>,
+    pub(super) next: Vec<f64>,
+    pub(super) before: Vec<f64>,
     /// Running free: nothing is read, the covariance stays.
-    blind: bool,
-    said: Vec<(usize, f64)>,
+    pub(super) blind: bool,
+    pub(super) said: Vec<(usize, f64)>,
 }
 
 /// A free run: when it started, and what it says of each reading that it met.
@@ -209,7 +207,7 @@ impl Work<'_> {
         self.memory.fill(0.0);
     }
 
-    fn accel(&self, balance: &Balance, x: &[f64]) -> Vector2<f64> {
+    pub(super) fn accel(&self, balance: &Balance, x: &[f64]) -> Vector2<f64> {
         let mut torque = balance.net(x);
         for (index, latent) in self.layout.latent.iter().flatten() {
             torque += Vector2::from(latent.arm) * x[*index];
@@ -238,133 +236,6 @@ impl Work<'_> {
             let mut memory = std::mem::take(&mut self.memory);
             state::remember(self.setup, &at, &mut memory, true);
             self.memory = memory;
-        }
-    }
-
-    /// Central differences over one standard deviation.
-    fn slope(&self, at: &Moment<'_>, balance: &Balance) -> Slope {
-        let n = self.layout.states;
-        let mut slope = [[0.0; 4]; 2];
-        let mut x: [f64; 4] = std::array::from_fn(|i| self.x[i]);
-        for i in 0..4 {
-            let h = self.p[i * n + i].max(0.0).sqrt().clamp(1e-5, 0.5);
-            let mut side = |sign: f64| {
-                let kept = x[i];
-                x[i] = kept + sign * h;
-                let mut moved = *at;
-                moved.angle_rad = [x[0], x[1]];
-                moved.rate_rad_s = [x[2], x[3]];
-                let accel = self.setup.plant.body.mass_inverse * balance.net(&x);
-                moved.accel_rad_s2 = [accel.x, accel.y];
-                x[i] = kept;
-                state::wrench(self.setup, self.ride, &moved, &self.memory, Which::Feedback)
-            };
-            let (up, down) = (side(1.0), side(-1.0));
-            slope[0][i] = (up.roll_nm - down.roll_nm) / (2.0 * h);
-            slope[1][i] = (up.steer_nm - down.steer_nm) / (2.0 * h);
-        }
-        slope
-    }
-
-    /// A of the dynamic states.
-    fn fill_a(&mut self, balance: &Balance, slope: Option<&Slope>, pace: &Pace) {
-        let nd = self.layout.dynamic;
-        let (setup, a) = (self.setup, &mut self.a);
-        a.fill(0.0);
-        a[2] = 1.0;
-        a[nd + 3] = 1.0;
-        let (mut k, mut c) = (-balance.stiffness, -balance.damping);
-        if let Some(j) = slope {
-            k += Matrix2::new(j[0][0], j[0][1], j[1][0], j[1][1]);
-            c += Matrix2::new(j[0][2], j[0][3], j[1][2], j[1][3]);
-        }
-        let inverse = setup.plant.body.mass_inverse;
-        let (k, c) = (inverse * k, inverse * c);
-        for i in 0..2 {
-            for j in 0..2 {
-                a[(2 + i) * nd + j] = k[(i, j)];
-                a[(2 + i) * nd + 2 + j] = c[(i, j)];
-            }
-        }
-        for (index, latent) in self.layout.latent.iter().flatten() {
-            a[index * nd + index] = -1.0 / latent.time_s;
-            let push = inverse * Vector2::from(latent.arm);
-            for i in 0..2 {
-                a[(2 + i) * nd + index] = push[i];
-            }
-        }
-        if self.layout.heading {
-            a[HEADING * nd + 1] = setup.plant.body.yaw[0] * pace.speed_m_s;
-            a[HEADING * nd + 3] = setup.plant.body.yaw[1];
-        }
-        for (index, first) in self.layout.filters.iter().enumerate() {
-            if let Some(first) = *first {
-                self.fill_filter(index, first, pace);
-            }
-        }
-    }
-
-    /// A recorder's low-pass and running mean (Padé [0/2]) as states.
-    fn fill_filter(&mut self, index: usize, first: usize, pace: &Pace) {
-        let nd = self.layout.dynamic;
-        let sensor = &self.ride.sensors[index];
-        let mut source = vec![0.0; self.layout.states];
-        self.truth_row(index, pace, &mut source);
-        let mut next = first;
-        if sensor.lag_s > 0.0 {
-            let rate = 1.0 / sensor.lag_s;
-            for j in 0..nd {
-                self.a[next * nd + j] += rate * source[j];
-            }
-            self.a[next * nd + next] -= rate;
-            source.fill(0.0);
-            source[next] = 1.0;
-            next += 1;
-        }
-        if sensor.moving_average_s > 0.0 {
-            let t = sensor.moving_average_s;
-            let stiffness = 12.0 / (t * t);
-            self.a[next * nd + next + 1] = 1.0;
-            for j in 0..nd {
-                self.a[(next + 1) * nd + j] += stiffness * source[j];
-            }
-            self.a[(next + 1) * nd + next] -= stiffness;
-            self.a[(next + 1) * nd + next + 1] -= 6.0 / t;
-        }
-    }
-
-    /// Derivative of a sensor's reading by the states, before its filter and bias.
-    fn truth_row(&self, index: usize, pace: &Pace, row: &mut [f64]) {
-        let (nd, body) = (self.layout.dynamic, &self.setup.plant.body);
-        let sensor = &self.ride.sensors[index];
-        let model = &self.setup.sensors[index];
-        row.fill(0.0);
-        let g = model.gain;
-        let yaw = [body.yaw[0] * pace.speed_m_s, body.yaw[1]];
-        match sensor.quantity {
-            Quantity::Roll => row[0] = g,
-            Quantity::Steer => row[1] = g,
-            Quantity::RollRate => row[2] = g,
-            Quantity::SteerRate => row[3] = g,
-            Quantity::Yaw => row[HEADING] = g,
-            Quantity::YawRate => {
-                row[1] = g * yaw[0];
-                row[3] = g * yaw[1];
-            }
-            _ => {
-                let [x, z] = sensor.point_m;
-                let v = pace.speed_m_s;
-                row[0] = -g * body.gravity_m_s2;
-                row[1] = g * v * yaw[0] + g * x * body.yaw[0] * pace.accel_m_s2;
-                row[3] = g * (v * yaw[1] + x * yaw[0]);
-                for j in 0..nd {
-                    row[j] += g * (x * yaw[1] * self.a[3 * nd + j] - z * self.a[2 * nd + j]);
-                }
-            }
-        }
-        if model.yaw_share != 0.0 {
-            row[1] += model.yaw_share * yaw[0];
-            row[3] += model.yaw_share * yaw[1];
         }
     }
 
@@ -518,111 +389,6 @@ impl Work<'_> {
             self.p[index * n + index] += 2.0 * latent.sd * latent.sd * h / latent.time_s;
         }
     }
-
-    /// Takes the readings at the end of a step.
-    fn read(&mut self, course: &Course, index: usize, pace: &Pace, slip: f64, pass: &mut Pass) {
-        let step = &course.steps[index];
-        let mut drawn = false;
-        let mut balance = None;
-        for r in step.readings.clone() {
-            let reading = &course.readings[r];
-            let sensor = &self.ride.sensors[reading.sensor];
-            if sensor.is_longitudinal() {
-                continue;
-            }
-            let n = self.layout.states;
-            if step.dt_s == 0.0 && !drawn {
-                // A is needed by accelerometers only.
-                let b = Balance::new(self.setup, course.met(index), pace);
-                self.fill_a(&b, None, pace);
-                drawn = true;
-            }
-            let mut row = std::mem::take(&mut self.row);
-            let predicted = match self.layout.filters[reading.sensor] {
-                Some(first) => {
-                    let last = if sensor.moving_average_s > 0.0 {
-                        first + usize::from(sensor.lag_s > 0.0)
-                    } else {
-                        first
-                    };
-                    row.fill(0.0);
-                    row[last] = 1.0;
-                    self.x[last]
-                }
-                None => {
-                    self.truth_row(reading.sensor, pace, &mut row);
-                    let b = *balance
-                        .get_or_insert_with(|| Balance::new(self.setup, course.met(index), pace));
-                    let accel = if sensor.quantity == Quantity::LateralAccel {
-                        self.accel(&b, &self.x)
-                    } else {
-                        Vector2::zeros()
-                    };
-                    let at = state::moment(
-                        self.setup,
-                        self.ride,
-                        course.met(index),
-                        pace,
-                        &self.x,
-                        accel,
-                        step.t_s,
-                        step.dt_s,
-                    );
-                    let heading = if self.layout.heading {
-                        self.x[HEADING]
-                    } else {
-                        0.0
-                    };
-                    let model = &self.setup.sensors[reading.sensor];
-                    state::reading(self.setup, sensor, model, &at, heading, slip)
-                }
-            };
-            let mut predicted = predicted;
-            if let Some(bias) = self.layout.sensor_bias[reading.sensor] {
-                row[bias] = 1.0;
-                predicted += self.x[bias];
-            }
-            if self.blind {
-                self.said.push((r, predicted));
-                self.row = row;
-                continue;
-            }
-            sparse_mul(&mut self.gain, &row, &self.p, n);
-            let sd = self.model.noise_sd(sensor);
-            let quantum = sensor
-                .quantum
-                .max(self.setup.sensors[reading.sensor].quantum);
-            let mut noise = sd * sd + quantum * quantum / 12.0;
-            if self.ride.clock_jitter_sd_s > 0.0 && step.dt_s > 0.0 {
-                let moved: f64 = row
-                    .iter()
-                    .zip(self.x.iter().zip(&self.before))
-                    .map(|(c, (now, then))| c * (now - then))
-                    .sum();
-                let error = moved / step.dt_s * self.ride.clock_jitter_sd_s;
-                noise += error * error;
-            }
-            let variance = dot(&row, &self.gain) + noise;
-            let error = reading.value - predicted;
-            let scaled = error / variance;
-            let inverse = 1.0 / variance;
-            for (i, gain) in self.gain.iter().enumerate() {
-                self.x[i] += gain * scaled;
-                for (value, other) in self.p[i * n..(i + 1) * n].iter_mut().zip(&self.gain) {
-                    // In this order both halves of the matrix round alike.
-                    *value -= gain * other * inverse;
-                }
-            }
-            pass.reading(r, error, variance);
-            pass.record_reading(Recorded {
-                reading: r,
-                row: &row,
-                gain: &self.gain,
-                variance,
-            });
-            self.row = row;
-        }
-    }
 }
 
 fn rest(w: &twinhub_mechanism::Wrench, slope: Option<&Slope>, x: &[f64; 4]) -> Vector2<f64> {
@@ -633,5 +399,3 @@ fn rest(w: &twinhub_mechanism::Wrench, slope: Option<&Slope>, x: &[f64; 4]) -> V
     }
     rest
 }
-
-const _: () = assert!(MOST_DRIVES == 4);

@@ -4,11 +4,13 @@
 //! [`sensitivity`] says how the innovations change with the plant without another pass.
 
 pub mod course;
-pub mod forecast;
 mod flow;
+pub mod forecast;
 mod lateral;
 mod layout;
+mod linear;
 pub mod pass;
+mod readings;
 pub mod ride;
 pub mod sensitivity;
 pub mod setup;

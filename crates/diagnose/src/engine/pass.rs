@@ -2,12 +2,12 @@
 //! sensitivities need.
 
 use super::course::Course;
+use super::flow::Flow;
 use super::lateral;
 use super::layout::Layout;
 use super::ride::Ride;
 use super::sensitivity::Along;
 use super::setup::{Model, Plant, Setup};
-use super::flow::Flow;
 use super::speed;
 use super::state::Pace;
 use std::sync::OnceLock;

@@ -1,9 +1,10 @@
 //! Mechanisms that were refitted in one round of the search, and which of them may be accepted.
 
 use super::decide::{Blocks, Gain};
-use super::fitting::{Baseline, Rides};
+use super::fitting::Baseline;
 use super::random;
 use super::refit::{Refit, polish, refit, refreshed, sketch};
+use super::rides::Rides;
 use super::score::{Score, correlation};
 use super::screen::Guess;
 use super::thresholds::THRESHOLDS;

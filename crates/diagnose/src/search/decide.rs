@@ -1,6 +1,6 @@
 //! Decisions on rides that were not used for fitting: gains by block.
 
-use super::fitting::{Passes, Rides};
+use super::rides::{Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::Model;
 use std::collections::BTreeMap;

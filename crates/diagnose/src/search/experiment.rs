@@ -2,8 +2,10 @@
 
 use super::Options;
 use super::answer::NotTestable;
-use super::fitting::{Baseline, calibrated, prepare, start};
+use super::fitting::{Baseline, calibrated};
+use super::levels::start;
 use super::limits;
+use super::rides::prepare;
 use super::run::{DiagnoseError, library, split};
 use super::score::{Bench, Score, correlation};
 use super::testable::obstacle;

@@ -2,7 +2,8 @@
 //! act.
 
 use super::answer::Fault;
-use super::fitting::{Baseline, Rides};
+use super::fitting::Baseline;
+use super::rides::Rides;
 use super::score::Bench;
 use super::thresholds::THRESHOLDS;
 use crate::compare::relations;

@@ -1,8 +1,8 @@
 //! How much better the extended model predicts, on held-out rides.
 
 use super::answer::{Answer, ChannelGain};
-use super::fitting::Rides;
 use super::pictures::Trace;
+use super::rides::Rides;
 use crate::compare::{HORIZONS_S, MAIN_HORIZON};
 use crate::engine::Model;
 use crate::engine::forecast::{Forecast, forecast};

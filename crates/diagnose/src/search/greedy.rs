@@ -5,11 +5,12 @@ use super::contender::{
     is_decided, is_degenerate, pick,
 };
 use super::decide::Gain;
-use super::fitting::{Baseline, Rides};
+use super::fitting::Baseline;
 use super::probe::{PROBES, Probe};
 use super::refit::{Refit, finish, polish, refreshed};
-use super::screen::{is_strained, screen};
+use super::rides::Rides;
 use super::score::{Bench, Score, active_columns, discoveries};
+use super::screen::{is_strained, screen};
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
 use statrs::distribution::{ChiSquared, ContinuousCDF};

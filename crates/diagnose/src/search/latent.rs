@@ -17,9 +17,11 @@
 use super::answer::{Answer, LatentForce, Verdict};
 use super::contender::{Material, held_blocks};
 use super::decide::Gain;
-use super::fitting::{Baseline, Passes, Rides, fit_levels};
+use super::fitting::Baseline;
+use super::levels::fit_levels;
 use super::pictures::{Curve, ForceTrace, LatentPicture};
 use super::random;
+use super::rides::{Passes, Rides};
 use crate::engine::latent_state;
 use crate::quantity::Quantity;
 

@@ -4,8 +4,8 @@
 //! `limit_z`, with the width that the blocks say. Of a gain it is the deviation from 1.
 
 use super::answer::Answer;
-use super::fitting::Rides;
 use super::greedy::Found;
+use super::rides::Rides;
 use super::score::Score;
 use super::thresholds::THRESHOLDS;
 

@@ -14,9 +14,9 @@
 //! Checked by: `tests` of the search: the band of a hidden torque.
 
 use super::answer::{Answer, Verdict};
-use super::fitting::Rides;
 use super::greedy::Found;
 use super::pictures::Spectrum;
+use super::rides::Rides;
 use super::thresholds::THRESHOLDS;
 use crate::engine::course::Course;
 use crate::engine::pass::Record;

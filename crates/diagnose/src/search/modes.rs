@@ -14,8 +14,9 @@
 //! Checked by: `tests` of the search: own modes are explained, others are not.
 
 use super::answer::{Answer, Candidate, Verdict, Where};
-use super::fitting::{Columns, Calibrated, bounded_step, calibrated};
+use super::fitting::{Calibrated, Columns, calibrated};
 use super::run::{DiagnoseError, empty};
+use super::step::bounded_step;
 use super::thresholds::THRESHOLDS;
 use super::words;
 use crate::data::{DataError, DataFolders};

@@ -14,8 +14,9 @@
 //!
 //! Checked by: `tests` of the search.
 
-use super::fitting::{Baseline, Passes, Rides};
+use super::fitting::Baseline;
 use super::refit::cost;
+use super::rides::{Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::{Active, Latent};
 use twinhub_mechanism::Mechanism;

@@ -12,11 +12,12 @@
 //!
 //! Checked by: `tests` of the search.
 
-use super::fitting::{
-    Baseline, Column, Columns, Passes, Rides, bounded_step, fit_levels, moved,
-};
+use super::fitting::{Baseline, Columns, moved};
+use super::levels::fit_levels;
 use super::random;
+use super::rides::{Column, Passes, Rides};
 use super::score::active_columns;
+use super::step::bounded_step;
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use crate::engine::{Active, FreeNoise};
@@ -248,9 +249,10 @@ fn are_levels_off(rides: &Rides, fit: &Baseline) -> Option<bool> {
             sum[1] += 1.0;
         }
     }
-    Some(sums.values().any(|[squares, count]| {
-        (squares - count).abs() > LEAST_Z * (2.0 * count).sqrt()
-    }))
+    Some(
+        sums.values()
+            .any(|[squares, count]| (squares - count).abs() > LEAST_Z * (2.0 * count).sqrt()),
+    )
 }
 
 /// Uncertainties of a fit.

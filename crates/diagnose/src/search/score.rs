@@ -14,7 +14,8 @@
 //!
 //! Checked by: `tests`: against refits, and p-values on clean rides.
 
-use super::fitting::{Baseline, Column, Passes, Rides};
+use super::fitting::Baseline;
+use super::rides::{Column, Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};

@@ -14,8 +14,10 @@
 //! Checked by: `tests` of the search.
 
 use super::contender::Material;
-use super::fitting::{Baseline, FIRST_PROCESS, Rides, fit_levels, moved};
+use super::fitting::{Baseline, moved};
+use super::levels::{FIRST_PROCESS, fit_levels};
 use super::refit::{polish, refreshed, sketch};
+use super::rides::Rides;
 use super::score::Bench;
 use crate::engine::FreeNoise;
 use crate::engine::small::dot;

@@ -196,7 +196,10 @@ mod tests {
         assert!(u.abs() < 1e-5 && r.abs() < 1e-5, "{u} {r}");
         CorneringStiffness.remember(&[1e-9], &at(&body), &mut memory, false);
         let wrench = CorneringStiffness.wrench(&[1e-9], &at(&body), &memory);
-        assert!(wrench.roll_nm.abs() < 1e-2 && wrench.steer_nm.abs() < 1e-3, "{wrench:?}");
+        assert!(
+            wrench.roll_nm.abs() < 1e-2 && wrench.steer_nm.abs() < 1e-3,
+            "{wrench:?}"
+        );
     }
 
     #[test]
@@ -206,7 +209,10 @@ mod tests {
             Matrix2::new(-3.0, 8.0, -9.0, -2.0),
             Matrix2::new(-3.0, 1.0, 0.0, -3.0),
         ] {
-            assert!((transition(&a, 0.05) - (a * 0.05).exp()).norm() < 1e-9, "{a}");
+            assert!(
+                (transition(&a, 0.05) - (a * 0.05).exp()).norm() < 1e-9,
+                "{a}"
+            );
         }
     }
 }
