@@ -99,6 +99,39 @@ fn finds_an_effect_of_the_tyre() {
     is_found("twisting_torque", 3);
 }
 
+/// Tyres as compliant as bought ones: the slip is no small correction.
+#[test]
+fn finds_slipping_tyres() {
+    let mut scenario = hidden("cornering_stiffness", 2);
+    scenario = scenario.sized(&[2e-4]);
+    let set = Set::new(&scenario);
+    let found = set.diagnose(&Ask::default());
+    let first = &found.causes.first().expect("a cause");
+    assert!(
+        first.mechanism == "cornering_stiffness" && first.confirmed,
+        "{}",
+        said(&found)
+    );
+    let value = first.parameters["compliance_rad_n"].value;
+    assert!((value / 2e-4 - 1.0).abs() < 0.15, "{}", said(&found));
+}
+
+/// What is random shows in the spread of what is predicted, and takes no other name.
+#[test]
+fn finds_gusts() {
+    let found = Set::new(&hidden("gust", 4)).diagnose(&Ask::default());
+    assert_eq!(found.verdict, "cause", "{}", said(&found));
+    assert_eq!(found.causes[0].mechanism, "gust");
+}
+
+/// In a ride with hands off the arms do nothing: with it, they are told from a damper.
+#[test]
+fn arms_act_where_hands_hold_the_bar() {
+    let found = Set::new(&hidden("arm_damping", 1)).diagnose(&Ask::default());
+    let first = found.causes.first().expect("a cause");
+    assert_eq!(first.set, ["arm_damping"], "{}", said(&found));
+}
+
 #[test]
 fn finds_an_effect_of_the_rider() {
     is_found("pedalling_torque", 5);

@@ -1,9 +1,11 @@
-//! The measured ride of the Davis instrumented bicycle. Skipped, loudly, where the data is absent.
+//! Measured rides: what the model makes of the Davis instrumented bicycle, and effects planted in rides.
+//! Skipped, loudly, where the data is absent.
 
 use std::path::PathBuf;
 use twinhub_diagnose::compare::{Comparison, compare};
 use twinhub_diagnose::data::{DataFolders, read_ride};
 use twinhub_diagnose::study::Study;
+use twinhub_diagnose::{Answer, Options, Verdict, diagnose_in};
 
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("TWINHUB_DATA").map(PathBuf::from);
@@ -161,4 +163,95 @@ fn davis_reversed_steer_sensor_is_told() {
         .iter()
         .any(|s| s.contains("yaw_rate_rad_s has the wrong sign against speed_m_s and steer_rad"));
     assert!(told, "{:?}", found.statements);
+}
+
+/// The answer about a study that ships, with keys changed.
+fn diagnosed(name: &str, overrides: &[String]) -> Option<Answer> {
+    let folder = data()?;
+    let study = Study::read(name, overrides).unwrap();
+    let folders = DataFolders::new(&study, Some(&folder));
+    Some(diagnose_in(&study, &folders, &Options::default(), &mut |_| {}).unwrap())
+}
+
+/// One key of one channel in each of the first rides.
+fn planted(rides: usize, channels: &[usize], key: &str, value: f64) -> Vec<String> {
+    let of = |r: usize| {
+        channels
+            .iter()
+            .map(move |c| format!("ride.{r}.channel.{c}.{key}={value}"))
+    };
+    (0..rides).flat_map(of).collect()
+}
+
+/// Effects that are planted in measured rides are named, with their size, though the rides hold more
+/// that has no name: a pull force of half its size, a steer sensor of 1.4 times, a gyro that is late.
+#[test]
+fn planted_effects_are_found_in_a_measured_ride() {
+    let name = "davis_instrumented_105";
+    let Some(bare) = diagnosed(name, &[]) else {
+        return;
+    };
+    for (overrides, mechanism, parameter, range) in [
+        (
+            planted(1, &[1], "scale", 0.5),
+            "lateral_force_gain",
+            "gain",
+            [1.7, 2.5],
+        ),
+        (
+            planted(1, &[4], "scale", 1.4),
+            "steer_sensor_scale",
+            "gain",
+            [1.25, 1.5],
+        ),
+        (
+            // All channels but the gyro are told to be early.
+            planted(1, &[0, 1, 2, 3, 4, 6], "delay_s", 0.05),
+            "roll_rate_sensor_delay",
+            "s",
+            [0.035, 0.075],
+        ),
+    ] {
+        let Some(found) = diagnosed(name, &overrides) else {
+            return;
+        };
+        assert!(
+            bare.causes.iter().all(|c| c.mechanism != mechanism),
+            "{mechanism} without planting"
+        );
+        let cause = found.causes.iter().find(|c| c.mechanism == mechanism);
+        let cause = cause.unwrap_or_else(|| panic!("{mechanism}: {:?}", found.statements));
+        let value = cause.parameters[parameter].value;
+        assert!(
+            (range[0]..range[1]).contains(&value),
+            "{mechanism}: {value}, {:?}",
+            found.statements
+        );
+    }
+}
+
+/// Speed and steer angle act as a product on a bicycle without a rider who is pulled: a scaled speed
+/// is named with what it cannot be told apart from.
+#[test]
+fn a_planted_speed_scale_is_found_in_a_second_data_set() {
+    let Some(found) = diagnosed("davis_robot_bicycle", &planted(8, &[0], "scale", 1.4)) else {
+        return;
+    };
+    let scales = ["speed_scale", "steer_sensor_scale"].map(str::to_owned);
+    let first = found.causes.first().map(|c| &c.set);
+    assert!(
+        first.is_some_and(|set| scales.iter().all(|s| set.contains(s))),
+        "{:?}",
+        found.statements
+    );
+}
+
+/// A model that predicts worse than the mean does not end in "no effect".
+#[test]
+fn a_failing_model_is_not_silent() {
+    let overrides = planted(5, &[0], "scale", 1.3);
+    let Some(found) = diagnosed("delft_steer_by_wire", &overrides) else {
+        return;
+    };
+    assert_ne!(found.verdict, Verdict::NoEffect, "{:?}", found.statements);
 }

@@ -226,7 +226,7 @@ pub fn confusion(list: &[Contender], best: usize, tested: &[Tested]) -> Vec<&'st
         if index == best || is_degenerate(other) || other.total() < t.set_share * chosen.total() {
             continue;
         }
-        if is_close(chosen, other) {
+        if is_close(chosen, other) || other.total() > t.near_share * chosen.total() {
             set.push(name(other.mechanism));
         }
     }

@@ -33,6 +33,9 @@ pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
             with: Some(left.probe.regressor.words().to_owned()),
         });
     }
+    if answer.causes.is_empty() && answer.places.is_empty() {
+        answer.places.extend(unexplained(found));
+    }
     let unknown = !answer.places.is_empty();
     answer.verdict = match answer.causes.len() {
         0 if unknown => Verdict::Unknown,
@@ -77,6 +80,27 @@ pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
     }
 }
 
+/// What the first tests saw beyond doubt, though nothing of it held on rides that were held out: silence
+/// would be wrong.
+fn unexplained(found: &Found) -> Option<Where> {
+    let strongest = found
+        .first
+        .iter()
+        .filter_map(|t| t.score.as_ref())
+        .min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+        .filter(|s| s.p_value < THRESHOLDS.unknown_p_value)?;
+    let card = strongest.mechanism.card();
+    Some(Where {
+        equation: equation_name(card),
+        band_hz: None,
+        order: None,
+        time_s: None,
+        ride: None,
+        p_value: strongest.p_value,
+        with: Some(card.name.to_owned()),
+    })
+}
+
 /// Takes confirmations back where the extended model fails an output that can be predicted.
 pub fn withdraw(answer: &mut Answer) {
     let t = &*THRESHOLDS;
@@ -89,7 +113,13 @@ pub fn withdraw(answer: &mut Answer) {
     };
     let failing = answer.gain.iter().filter(|(_, gain)| failed(gain));
     answer.unpredicted = failing.map(|(name, _)| name.clone()).collect();
-    if answer.unpredicted.is_empty() || answer.causes.iter().all(|c| !c.confirmed) {
+    if answer.unpredicted.is_empty() {
+        return;
+    }
+    if answer.verdict == Verdict::NoEffect {
+        answer.verdict = Verdict::Unknown;
+    }
+    if answer.causes.iter().all(|c| !c.confirmed) {
         return;
     }
     for cause in &mut answer.causes {
