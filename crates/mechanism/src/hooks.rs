@@ -1,4 +1,4 @@
-//! The five hooks through which a mechanism acts.
+//! The six hooks through which a mechanism acts.
 
 use crate::body::Terms;
 use crate::card::Card;

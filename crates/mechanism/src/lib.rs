@@ -2,13 +2,14 @@
 //! Mechanisms: causes that a simulation may lack, each with its claim, equation, parameters, source,
 //! what it is confounded with and which experiment separates them.
 //!
-//! A mechanism acts on a lateral-longitudinal model of a bicycle through five hooks, so that the
+//! A mechanism acts on a lateral-longitudinal model of a bicycle through six hooks, so that the
 //! same definition serves whoever simulates, fits or designs:
 //!
 //! * [`Mechanism::reshape`] changes the bicycle's parameters (payload, wheel radius);
 //! * [`Mechanism::terms`] adds to the matrices of roll and steer (dampers, springs, inertias);
 //! * [`Mechanism::wrench`] pushes with a torque, a force, or a yaw rate that slip adds, from the
 //!   state, the inputs and a memory of its own (friction, play, tyre lag, wind, pedals);
+//! * [`Mechanism::random_force`] is a force that no input tells of (gusts): it widens what is predicted;
 //! * [`Mechanism::input`] says what the true input is when another one was commanded or read;
 //! * [`Mechanism::sensor`] says what a sensor reads when the truth is another.
 //!

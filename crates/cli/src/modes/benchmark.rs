@@ -27,7 +27,8 @@ pub fn run(args: &ModesArgs, bicycle: &Bicycle) -> anyhow::Result<ExitCode> {
     let equations = Canonical::new(bicycle).map_err(bad_input)?;
     let pair = pair(args, bicycle).map_err(bad_input)?;
     let modes = Modes::over(&equations, pair, &speeds);
-    for remark in &bicycle.remarks {
+    let remarks = remarks(bicycle).map_err(bad_input)?;
+    for remark in &remarks {
         eprintln!("note: {remark}");
     }
     let picture = args.picture(&bicycle.name);
@@ -37,7 +38,9 @@ pub fn run(args: &ModesArgs, bicycle: &Bicycle) -> anyhow::Result<ExitCode> {
         print::write_picture(out, &bicycle.name, &subtitle, &fine)?;
     }
     if args.json {
-        println!("{}", answer(args, bicycle, &equations, pair, &modes));
+        let mut answer = answer(args, bicycle, &equations, pair, &modes);
+        answer["remarks"] = remarks.into();
+        println!("{answer}");
     } else {
         print::table(&modes, &STATES);
         println!();
@@ -53,6 +56,16 @@ pub fn run(args: &ModesArgs, bicycle: &Bicycle) -> anyhow::Result<ExitCode> {
         );
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The bicycle's remarks, and which causes of its file the matrices cannot hold.
+fn remarks(bicycle: &Bicycle) -> anyhow::Result<Vec<String>> {
+    let pushing = twinhub_mechanism::extended::pushing(bicycle)?;
+    let without = pushing.iter().map(|(mechanism, _)| {
+        let name = mechanism.card().name;
+        format!("{name} acts in rides; these eigenvalues are without it")
+    });
+    Ok(bicycle.remarks.iter().cloned().chain(without).collect())
 }
 
 fn pair(args: &ModesArgs, bicycle: &Bicycle) -> anyhow::Result<MotorPair> {
@@ -91,7 +104,6 @@ fn answer(
     modes: &Modes,
 ) -> serde_json::Value {
     let mut answer = print::answer(&bicycle.name, &bicycle.source, modes);
-    answer["remarks"] = bicycle.remarks.clone().into();
     answer["front_brake_nm"] = pair.front_brake_nm.into();
     answer["rear_traction_nm"] = pair.rear_traction_nm.into();
     answer["longitudinal_accel_m_s2"] = equations.longitudinal_accel_m_s2(pair).into();

@@ -178,11 +178,17 @@ pub fn is_degenerate(contender: &Contender) -> bool {
     is_absent(contender) || is_at_end(contender)
 }
 
-/// The first that may be accepted: a mechanism before a parameter out of tolerance that explains no
-/// more than it.
+/// How far a parameter out of tolerance lies from its declared value, in declared standard deviations;
+/// nothing for a mechanism.
+fn deviation_sd(contender: &Contender) -> Option<f64> {
+    let active = contender.refit.baseline.model.active.last()?;
+    tolerance::deviation_sd(active.mechanism, active.p[0])
+}
+
+/// The first that may be accepted. Where a mechanism and a parameter out of tolerance explain the same,
+/// the parameter is believed if it does not lie too far out.
 pub fn pick(list: &[Contender], acceptable: impl Fn(&Contender) -> bool) -> Option<usize> {
     let best = list.iter().position(&acceptable)?;
-    let is_tolerance = |c: &Contender| tolerance::is_candidate(c.mechanism);
     // Something that lies at its end explains more than all that may be accepted: no name fits.
     let most = list
         .iter()
@@ -192,13 +198,16 @@ pub fn pick(list: &[Contender], acceptable: impl Fn(&Contender) -> bool) -> Opti
     if list[best].total() < THRESHOLDS.set_share * most {
         return None;
     }
-    if is_tolerance(&list[best]) {
-        let rival = list
-            .iter()
-            .position(|c| acceptable(c) && !is_tolerance(c) && is_close(&list[best], c));
-        return rival.or(Some(best));
-    }
-    Some(best)
+    let is_believed =
+        |c: &Contender| deviation_sd(c).is_some_and(|z| z.abs() < THRESHOLDS.believed_deviation_sd);
+    let same = |c: &&Contender| acceptable(c) && is_close(&list[best], c);
+    let is_rival = |c: &Contender| match deviation_sd(&list[best]) {
+        Some(_) if is_believed(&list[best]) => false,
+        Some(_) => deviation_sd(c).is_none(),
+        None => is_believed(c),
+    };
+    let rival = list.iter().position(|c| same(&c) && is_rival(c));
+    rival.or(Some(best))
 }
 
 /// Whether held-out blocks, or without them the fit, cannot tell that `other` is worse.

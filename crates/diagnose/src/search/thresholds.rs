@@ -28,6 +28,7 @@ pub struct Thresholds {
     pub set_correlation: f64,
     pub set_share: f64,
     pub near_share: f64,
+    pub believed_deviation_sd: f64,
     pub most_causes: usize,
     pub least_share: f64,
     pub most_confirmed: usize,

@@ -33,6 +33,14 @@ pub fn is_at_end(mechanism: &dyn Mechanism, baseline: &Baseline) -> bool {
     z.is_some_and(|(_, z)| z.abs() > THRESHOLDS.calibration_box_sd - 1e-3)
 }
 
+/// How far a candidate's value lies from the declared one, in declared standard deviations; nothing for a
+/// mechanism.
+pub fn deviation_sd(mechanism: &dyn Mechanism, value: f64) -> Option<f64> {
+    let param = &mechanism.card().parameters[0];
+    let share = (value - param.least) / (param.most - param.least);
+    is_candidate(mechanism).then_some(FARTHEST_SD * (2.0 * share - 1.0))
+}
+
 /// Candidates live as long as the program, as mechanisms do: one for each symbol and range.
 static ALL: Mutex<Vec<&'static Free>> = Mutex::new(Vec::new());
 
