@@ -182,16 +182,22 @@ impl Body {
         }
     }
 
-    /// What slip of both wheels does: z' = A z + b with z the lateral velocity of the rear contact and
-    /// the yaw rate that is added to the kinematic one, for wheels whose side slip per side force is
-    /// `compliance_rad_n`. From the lateral and the yaw balance, with
-    /// F_R = -u/(v k) and F_F = -(u + w r)/(v k).
-    pub fn slip_motion(
-        &self,
-        at: &Moment<'_>,
-        compliance_rad_n: f64,
-    ) -> (Matrix2<f64>, Vector2<f64>) {
+    /// A of z' = A z + b, what slip of both wheels does: z is the lateral velocity of the rear contact
+    /// and the yaw rate that is added to the kinematic one, for wheels whose side slip per side force
+    /// is `compliance_rad_n`. From the lateral and the yaw balance, with F_R = -u/(v k) and
+    /// F_F = -(u + w r)/(v k).
+    pub fn slip_matrix(&self, speed_m_s: f64, compliance_rad_n: f64) -> Matrix2<f64> {
         const LEAST_M_S: f64 = 0.2;
+        let (s, v, m) = (&self.slip, speed_m_s, self.mass_kg);
+        let stiffness = 1.0 / (v.abs().max(LEAST_M_S) * compliance_rad_n);
+        let w = s.wheelbase_m;
+        let forces =
+            -stiffness * Matrix2::new(2.0, w, w, w * w) - Matrix2::new(0.0, m * v, 0.0, s.mx * v);
+        self.slip_inverse() * forces
+    }
+
+    /// b of the same: the side forces that would be needed without slip.
+    pub fn slip_load(&self, at: &Moment<'_>) -> Vector2<f64> {
         let (s, v, m) = (&self.slip, at.speed_m_s, self.mass_kg);
         let [front_mass, front_inertia, front_spin] = s.front;
         let (yaw, turn) = (at.yaw_rate_rad_s(), at.yaw_accel_rad_s2());
@@ -204,14 +210,14 @@ impl Body {
                 - v * (s.spin * roll_rate + front_spin * steer_rate)
                 - at.inputs.yaw_torque_nm,
         );
-        let stiffness = 1.0 / (v.abs().max(LEAST_M_S) * compliance_rad_n);
-        let w = s.wheelbase_m;
-        let forces =
-            -stiffness * Matrix2::new(2.0, w, w, w * w) - Matrix2::new(0.0, m * v, 0.0, s.mx * v);
-        let inverse = Matrix2::new(m, s.mx, s.mx, s.izz)
+        -(self.slip_inverse() * without)
+    }
+
+    fn slip_inverse(&self) -> Matrix2<f64> {
+        let s = &self.slip;
+        Matrix2::new(self.mass_kg, s.mx, s.mx, s.izz)
             .try_inverse()
-            .unwrap_or_else(Matrix2::zeros);
-        (inverse * forces, -(inverse * without))
+            .unwrap_or_else(Matrix2::zeros)
     }
 
     /// Torques of a lateral acceleration of the rear contact.

@@ -57,13 +57,17 @@ pub fn held_blocks(held: &Rides, baseline: &Baseline) -> Option<Blocks> {
 }
 
 impl Sketch {
-    pub fn new(material: &Material<'_>, baseline: &Baseline, score: &Score) -> Option<Self> {
-        let fit = sketch(material.fit, baseline, score.mechanism, &score.size)?;
-        Some(Self {
-            mechanism: score.mechanism,
+    fn begun(mechanism: &'static dyn Mechanism, baseline: &Baseline, fit: Baseline) -> Self {
+        Self {
+            mechanism,
             nats: baseline.cost - fit.cost,
             fit,
-        })
+        }
+    }
+
+    pub fn new(material: &Material<'_>, baseline: &Baseline, score: &Score) -> Option<Self> {
+        let fit = sketch(material.fit, baseline, score.mechanism, &score.size)?;
+        Some(Self::begun(score.mechanism, baseline, fit))
     }
 
     /// A random mechanism, which no score can bring up.
@@ -73,22 +77,14 @@ impl Sketch {
         mechanism: &'static dyn Mechanism,
     ) -> Option<Self> {
         let fit = random::sketch(material.fit, baseline, mechanism)?;
-        Some(Self {
-            mechanism,
-            nats: baseline.cost - fit.cost,
-            fit,
-        })
+        Some(Self::begun(mechanism, baseline, fit))
     }
 
     /// Goes on from a guess, on all of the fit rides.
     pub fn of_guess(material: &Material<'_>, baseline: &Baseline, guess: Guess) -> Option<Self> {
         let there = refreshed(material.fit, guess.fit)?;
         let fit = polish(material.fit, there, 1)?;
-        Some(Self {
-            mechanism: guess.mechanism,
-            nats: baseline.cost - fit.cost,
-            fit,
-        })
+        Some(Self::begun(guess.mechanism, baseline, fit))
     }
 
     pub fn name(&self) -> &'static str {
@@ -97,10 +93,8 @@ impl Sketch {
 
     /// What the sketch gains on held-out rides.
     pub fn gain(&self, material: &Material<'_>, before: Option<&Blocks>) -> Gain {
-        match (before, held_blocks(material.held, &self.fit)) {
-            (Some(a), Some(b)) => Gain::new(a, &b),
-            _ => Gain::default(),
-        }
+        let after = held_blocks(material.held, &self.fit);
+        Gain::between(before, after.as_ref()).unwrap_or_default()
     }
 
     /// Fits to the end and decides.
@@ -112,10 +106,7 @@ impl Sketch {
     ) -> Option<Contender> {
         let refit = refit(material.fit, material.free, self.fit)?;
         let blocks = held_blocks(material.held, &refit.baseline);
-        let gain = match (before, &blocks) {
-            (Some(a), Some(b)) => Gain::new(a, b),
-            _ => Gain::default(),
-        };
+        let gain = Gain::between(before, blocks.as_ref()).unwrap_or_default();
         Some(Contender {
             mechanism: self.mechanism,
             fit_nats: baseline.cost - refit.baseline.cost,

@@ -75,6 +75,11 @@ impl Gain {
         }
     }
 
+    /// Of `to` over `from`, if there are held-out rides.
+    pub fn between(from: Option<&Blocks>, to: Option<&Blocks>) -> Option<Self> {
+        Some(Self::new(from?, to?))
+    }
+
     /// Whether the held-out rides decide for it.
     pub fn is_decisive(&self) -> bool {
         let t = &*THRESHOLDS;

@@ -1,6 +1,7 @@
 //! What: calibration parameters of the baseline, on the fit rides.
 //!
-//! Equation: calibration parameters z (in declared standard deviations) by Gauss-Newton on sum e²/s + z², within a box.
+//! Equation: parameters z (in declared standard deviations) by Gauss-Newton on sum e²/s + z², within
+//! a box.
 //!
 //! Source: Harvey (1989), section 3.4.5; the box after the finding that free calibration eats
 //! causes, see `thresholds.toml`.
@@ -59,6 +60,25 @@ impl Columns {
             &baseline.all,
             &baseline.z,
         ))
+    }
+
+    /// Products of all columns, with more behind them, by rows.
+    pub fn with(&self, more: &[&Column]) -> Vec<f64> {
+        let known = self.list.len();
+        let m = known + more.len();
+        let mut products = vec![0.0; m * m];
+        for i in 0..m {
+            for j in 0..=i {
+                let x = match (i.checked_sub(known), j.checked_sub(known)) {
+                    (None, _) => self.product(i, j),
+                    (Some(i), Some(j)) => dot(more[i], more[j]),
+                    (Some(i), None) => dot(more[i], &self.list[j].1),
+                };
+                products[i * m + j] = x;
+                products[j * m + i] = x;
+            }
+        }
+        products
     }
 
     /// Product of the columns at two places of the list.
@@ -157,18 +177,11 @@ impl Baseline {
         progress("noise levels");
         // Long rides: most of the way on an excerpt.
         let excerpt = rides.excerpt(&this.model);
-        match excerpt.filter(|e| 3 * e.readings() < rides.readings()) {
-            Some(excerpt) => {
-                this.model = fit_levels(&excerpt, free, &this.model, 6);
-                this.calibrate(&excerpt, 2)?;
-                this.model = fit_levels(&excerpt, free, &this.model, 3);
-            }
-            None => {
-                this.model = fit_levels(rides, free, &this.model, 5);
-                this.calibrate(rides, 2)?;
-                this.model = fit_levels(rides, free, &this.model, 3);
-            }
-        }
+        let excerpt = excerpt.filter(|e| 3 * e.readings() < rides.readings());
+        let (first, rounds) = excerpt.as_ref().map_or((rides, 5), |e| (e, 6));
+        this.model = fit_levels(first, free, &this.model, rounds);
+        this.calibrate(first, 2)?;
+        this.model = fit_levels(first, free, &this.model, 3);
         progress("calibration");
         this.calibrate(rides, 2)?;
         this.model = fit_levels(rides, free, &this.model, 3);

@@ -65,13 +65,8 @@ pub fn fill(answer: &mut Answer, material: &Material<'_>, baseline: &Baseline) {
     let mut with = baseline.clone();
     with.model.latent[axis] = Some(latent);
     with.model = fit_levels(material.fit, material.free, &with.model, 1);
-    let gain = match (
-        held_blocks(material.held, baseline),
-        held_blocks(material.held, &with),
-    ) {
-        (Some(a), Some(b)) => Some(Gain::new(&a, &b).nats),
-        _ => None,
-    };
+    let [before, after] = [baseline, &with].map(|b| held_blocks(material.held, b));
+    let gain = Gain::between(before.as_ref(), after.as_ref()).map(|g| g.nats);
     let shown = if material.held.0.is_empty() {
         material.fit
     } else {

@@ -36,7 +36,7 @@ pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
     let ratio = duration_s(held) / duration_s(fit).max(1e-9);
     for score in found.first.iter().filter_map(|t| t.score.as_ref()) {
         let card = score.mechanism.card();
-        if card.name.starts_with(super::tolerance::PREFIX) {
+        if super::tolerance::is_candidate(score.mechanism) {
             continue;
         }
         answer

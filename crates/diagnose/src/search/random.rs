@@ -15,8 +15,8 @@
 //! Checked by: `tests` of the search.
 
 use super::fitting::Baseline;
-use super::refit::cost;
-use super::rides::{Passes, Rides};
+use super::refit::cost_over;
+use super::rides::Rides;
 use super::thresholds::THRESHOLDS;
 use crate::engine::{Active, Latent};
 use twinhub_mechanism::Mechanism;
@@ -80,11 +80,7 @@ pub fn sketch(
         });
         there
     };
-    let cost_of = |p: [f64; 2]| {
-        let there = extended(p);
-        Passes::run(rides, &there.model, false)
-            .map_or(f64::INFINITY, |passes| cost(&passes, &there))
-    };
+    let cost_of = |p: [f64; 2]| cost_over(rides, &extended(p));
     let [size, time] = mechanism.card().parameters else {
         return None;
     };
@@ -109,11 +105,7 @@ pub fn latent(rides: &Rides, baseline: &Baseline, axis: usize) -> Option<(Latent
         there.model.latent[axis] = Some(torque(axis, p));
         there
     };
-    let cost_of = |p: [f64; 2]| {
-        let there = with(p);
-        Passes::run(rides, &there.model, false)
-            .map_or(f64::INFINITY, |passes| cost(&passes, &there))
-    };
+    let cost_of = |p: [f64; 2]| cost_over(rides, &with(p));
     let grid: Vec<[f64; 2]> = (SIZES_NM.iter())
         .flat_map(|s| TIMES_S.iter().map(move |t| [*s, *t]))
         .collect();
@@ -135,8 +127,7 @@ pub fn errors(rides: &Rides, fit: &Baseline, index: usize) -> Vec<f64> {
     let cost_of = |p: &[f64]| {
         let mut there = fit.clone();
         there.model.active[index].p = p.to_vec();
-        Passes::run(rides, &there.model, false)
-            .map_or(f64::INFINITY, |passes| cost(&passes, &there))
+        cost_over(rides, &there)
     };
     let here = cost_of(at);
     (0..at.len())

@@ -72,6 +72,11 @@ pub fn cost(passes: &Passes, baseline: &Baseline) -> f64 {
     passes.minus_log_likelihood() + prior(baseline)
 }
 
+/// Cost of a model over rides; infinite where it cannot be.
+pub fn cost_over(rides: &Rides, baseline: &Baseline) -> f64 {
+    Passes::run(rides, &baseline.model, false).map_or(f64::INFINITY, |p| cost(&p, baseline))
+}
+
 /// Fits everything that is active, from where the baseline stands.
 pub fn polish(rides: &Rides, start: Baseline, rounds: usize) -> Option<Baseline> {
     let mut now = start;
@@ -184,9 +189,7 @@ pub fn sketch(
         let mut trials: Vec<(f64, Vec<f64>)> = starts
             .into_iter()
             .filter_map(|p| {
-                let there = extended(p.clone());
-                let passes = Passes::run(rides, &there.model, false)?;
-                let value = cost(&passes, &there);
+                let value = cost_over(rides, &extended(p.clone()));
                 value.is_finite().then_some((value, p))
             })
             .collect();
@@ -212,8 +215,7 @@ pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit>
             break;
         }
         best.model = fit_levels(rides, free, &best.model, 1);
-        let passes = Passes::run(rides, &best.model, false)?;
-        let is_strong = before - cost(&passes, &best) > REFRESHED_FROM_NATS;
+        let is_strong = before - cost_over(rides, &best) > REFRESHED_FROM_NATS;
         if is_strong {
             best = refreshed(rides, best)?;
         }
@@ -262,21 +264,10 @@ pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
         .map(|i| active_columns(rides, &best, &passes, i))
         .collect();
     let flat: Vec<&Column> = own.iter().flatten().collect();
-    let all: Vec<&Column> = best
-        .columns
-        .list
-        .iter()
-        .map(|(_, c)| c)
-        .chain(flat.iter().copied())
-        .collect();
-    let (m, k) = (all.len(), flat.len());
-    let mut normal = vec![0.0; m * m];
+    let mut normal = best.columns.with(&flat);
+    let k = flat.len();
+    let m = best.columns.list.len() + k;
     for i in 0..m {
-        for j in 0..=i {
-            let x = dot(all[i], all[j]);
-            normal[i * m + j] = x;
-            normal[j * m + i] = x;
-        }
         normal[i * m + i] += if i < m - k {
             1.0
         } else {

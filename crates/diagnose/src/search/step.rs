@@ -16,24 +16,14 @@ pub fn bounded_step(
     least: &[f64],
     most: &[f64],
 ) -> Vec<f64> {
-    let known = calibration.list.len();
     let columns: Vec<&Column> = (calibration.list.iter().map(|(_, c)| c))
         .chain(more.iter().copied())
         .collect();
     let m = columns.len();
-    let mut normal = vec![0.0; m * m];
+    let mut normal = calibration.with(more);
     let mut right = vec![0.0; m];
     for i in 0..m {
         right[i] = -dot(columns[i], residual) - precision[i] * (at[i] - origin[i]);
-        for j in 0..=i {
-            let x = if i < known {
-                calibration.product(i, j)
-            } else {
-                dot(columns[i], columns[j])
-            };
-            normal[i * m + j] = x;
-            normal[j * m + i] = x;
-        }
         normal[i * m + i] += precision[i] + 1e-9;
     }
     let mut held: Vec<Option<f64>> = vec![None; m];

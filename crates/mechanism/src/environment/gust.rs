@@ -65,11 +65,10 @@ impl Mechanism for Gust {
     }
 
     fn random_force(&self, p: &[f64], bicycle: &Parameters) -> Option<RandomForce> {
-        let path = bicycle.c * libm::cos(bicycle.lam) / bicycle.w;
         (p[0] > 0.0).then(|| RandomForce {
             sd: p[0],
             time_s: p[1].max(1e-3),
-            arm: [HEIGHT_M, path * AHEAD * bicycle.w],
+            arm: [HEIGHT_M, AHEAD * bicycle.c * libm::cos(bicycle.lam)],
         })
     }
 }

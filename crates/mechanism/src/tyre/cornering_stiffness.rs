@@ -77,12 +77,11 @@ struct Slip {
     /// Mean rates over the step before.
     before: Vector2<f64>,
     step_s: f64,
-    compliance_rad_n: f64,
 }
 
 impl Slip {
     fn new(compliance_rad_n: f64, at: &Moment<'_>, memory: &[f64]) -> Option<Self> {
-        let (a, _) = at.body.slip_motion(at, compliance_rad_n);
+        let a = at.body.slip_matrix(at.speed_m_s, compliance_rad_n);
         let change = transition(&a, at.dt_s) - Matrix2::identity();
         Some(Self {
             change,
@@ -90,13 +89,11 @@ impl Slip {
             from: Vector2::new(memory[0], memory[1]),
             before: Vector2::new(memory[2], memory[3]),
             step_s: at.dt_s,
-            compliance_rad_n,
         })
     }
 
     fn added(&self, at: &Moment<'_>) -> Vector2<f64> {
-        let (_, load) = at.body.slip_motion(at, self.compliance_rad_n);
-        self.change * self.from + self.per_load * load
+        self.change * self.from + self.per_load * at.body.slip_load(at)
     }
 
     fn wrench(&self, at: &Moment<'_>) -> Wrench {
@@ -123,7 +120,8 @@ impl Mechanism for CorneringStiffness {
     fn remember(&self, p: &[f64], at: &Moment<'_>, memory: &mut [f64], fresh: bool) {
         if fresh {
             // Settled.
-            let (a, load) = at.body.slip_motion(at, p[0].max(LEAST_RAD_N));
+            let a = at.body.slip_matrix(at.speed_m_s, p[0].max(LEAST_RAD_N));
+            let load = at.body.slip_load(at);
             let settled = a.try_inverse().map_or_else(Vector2::zeros, |i| -(i * load));
             memory.copy_from_slice(&[settled.x, settled.y, 0.0, 0.0]);
         } else if at.dt_s > 0.0
