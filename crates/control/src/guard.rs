@@ -9,94 +9,23 @@
 //!   that the fault allows: `ramp_down_s` with a healthy torque path, [`BLIND_RAMP_S`] without
 //!   wheel speeds, [`LINK_RAMP_S`] on a lost link or a fault;
 //! * the wheels' forces never add up to drive unless the rider pedals, below 25 km/h;
-//! * no wheel is braked that does not turn forward;
+//! * no wheel is braked that does not turn forward, and a slow one no harder than
+//!   [`TURNING_NM_PER_M2_S2`] allows: it could stop before its slip is seen;
 //! * the thermal average of each motor's power stays within the profile's.
 
 use twinhub_types::{Command, Instant, LimitedBy, Measurement, Mode, RiderIntent};
 
 use crate::bounded::Bounded as _;
 use crate::clock::{Clock, Tick};
-use crate::config::{ASSIST_SPEED_MAX_M_S, Config, Profile};
+use crate::config::ASSIST_SPEED_MAX_M_S;
 use crate::senses;
 
-/// From any torque to zero on a lost link or a fault, s. With the 20 ms until the loss is seen
-/// and a tick this stays below 200 ms.
-pub const LINK_RAMP_S: f32 = 0.15;
-/// From any torque to zero without wheel speeds, s: a locked wheel would not be noticed.
-pub const BLIND_RAMP_S: f32 = 0.5;
-/// A brake lever that is pulled further than this ends the pair at once.
-pub const LEVER_THRESHOLD_RATIO: f32 = 0.02;
-/// Slip beyond this share of the speed, plus [`SLIP_MARGIN_M_S`], ends the pair at once.
-pub const SLIP_RATIO: f32 = 0.15;
-/// Slip speed that is always tolerated, m/s.
-pub const SLIP_MARGIN_M_S: f32 = 0.3;
-/// How long a slip keeps the pair away, s.
-pub const SLIP_HOLD_S: f32 = 1.0;
-/// A wheel whose tread is slower than this is not braked, m/s.
-pub const STANDSTILL_M_S: f32 = 0.3;
-/// Thermal time constant of a hub motor, s (guess).
-pub const THERMAL_TAU_S: f32 = 60.0;
-/// Power above the average limit per unused power below it, dimensionless; with the time
-/// constant it allows the peak for about five seconds and then eases it down.
-pub const PEAK_GAIN: f32 = 6.0;
+mod limits;
 
-/// What the guard is asked to let out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Request {
-    /// Pair, Nm of the front motor.
-    pub pair_nm: f32,
-    /// Rear torque on top of what balances the front, Nm; negative brakes.
-    pub trim_nm: f32,
-    /// Largest pair that the tyres carry, Nm: holds at once.
-    pub pair_ceiling_nm: f32,
-    /// What has limited the request so far.
-    pub limited_by: LimitedBy,
-}
-
-/// The guard's limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GuardLimits {
-    /// Largest torque of either motor, Nm.
-    pub torque_max_nm: f32,
-    /// Fastest growth, Nm/s.
-    pub ramp_up_nm_s: f32,
-    /// From any torque to zero with a healthy torque path, s.
-    pub ramp_down_s: f32,
-    /// Largest thermal average of either motor's mechanical power, W.
-    pub power_average_max_w: Option<f32>,
-    /// Radius of the front wheel, m.
-    pub front_wheel_radius_m: f32,
-    /// Radius of the rear wheel, m.
-    pub rear_wheel_radius_m: f32,
-}
-
-impl GuardLimits {
-    /// No torque at all.
-    pub const ZERO: Self = Self {
-        torque_max_nm: 0.0,
-        ramp_up_nm_s: 1.0,
-        ramp_down_s: 1.0,
-        power_average_max_w: None,
-        front_wheel_radius_m: 0.3,
-        rear_wheel_radius_m: 0.3,
-    };
-
-    /// The limits of a configuration; [`ZERO`](Self::ZERO) if it breaks a rule.
-    pub fn new(config: &Config) -> Self {
-        if config.check().is_err() {
-            return Self::ZERO;
-        }
-        let profile: Profile = config.profile;
-        Self {
-            torque_max_nm: config.limits.torque_max_nm.at_most(profile.torque_max_nm()),
-            ramp_up_nm_s: config.limits.ramp_up_nm_s,
-            ramp_down_s: config.limits.ramp_down_s,
-            power_average_max_w: profile.power_average_max_w(),
-            front_wheel_radius_m: config.bicycle.front_wheel_radius_m,
-            rear_wheel_radius_m: config.bicycle.rear_wheel_radius_m,
-        }
-    }
-}
+pub use limits::{
+    BLIND_RAMP_S, GuardLimits, LEVER_THRESHOLD_RATIO, LINK_RAMP_S, PEAK_GAIN, Request, SLIP_HOLD_S,
+    SLIP_MARGIN_M_S, SLIP_RATIO, STANDSTILL_M_S, THERMAL_TAU_S, TURNING_NM_PER_M2_S2,
+};
 
 /// The wheels as the guard sees them, tread speeds in m/s.
 #[derive(Clone, Copy, Debug)]
@@ -273,6 +202,8 @@ impl Guard {
             .torque_max_nm
             .at_most(self.limits.torque_max_nm / ratio);
         self.say(LimitedBy::MAGNITUDE, request.pair_nm > most_nm);
+        let turning_nm = wheels.map_or(f32::INFINITY, |w| limits::turning_nm(w.front_m_s));
+        self.say(LimitedBy::TURNING, pair_nm > turning_nm);
         let (front_rad_s, rear_rad_s) = self.rates_rad_s();
         let power_nm =
             self.power_left_w() / front_rad_s.at_least(rear_rad_s * ratio).at_least(1e-3);
@@ -284,7 +215,10 @@ impl Guard {
             0.0
         };
         self.say(LimitedBy::FRICTION, pair_nm > carried_nm);
-        most_nm.at_most(power_nm).at_most(carried_nm)
+        most_nm
+            .at_most(power_nm)
+            .at_most(carried_nm)
+            .at_most(turning_nm)
     }
 
     /// Heat so far: a first-order low pass of the power that went out.
@@ -363,6 +297,11 @@ impl Guard {
         if rear_nm < 0.0 && !rolls {
             self.say(LimitedBy::STANDSTILL, true);
             rear_nm = 0.0;
+        }
+        let turning_nm = wheels.map_or(0.0, |w| limits::turning_nm(w.rear_m_s));
+        if rear_nm < -turning_nm {
+            self.say(LimitedBy::TURNING, true);
+            rear_nm = -turning_nm;
         }
         // What the limits took from the trim comes back along the ramp.
         self.trim_nm = rear_nm - balance_nm;

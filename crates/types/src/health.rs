@@ -183,6 +183,8 @@ limits! {
     BLIND = 10, "blind", "torque ramped out within half a second";
     /// The rider's wishes unknown to the guard.
     INTENT = 11, "intent", "torque ramped out slowly";
+    /// A slow wheel could stop before its slip is seen.
+    TURNING = 12, "turning", "braking torque held below a share of the wheel's speed, at once";
 }
 
 impl LimitedBy {

@@ -2,7 +2,7 @@
 
 use twinhub_control::guard::{
     BLIND_RAMP_S, GuardLimits, LEVER_THRESHOLD_RATIO, LINK_RAMP_S, PEAK_GAIN, STANDSTILL_M_S,
-    THERMAL_TAU_S,
+    THERMAL_TAU_S, TURNING_NM_PER_M2_S2,
 };
 use twinhub_types::{Command, Instant, LimitedBy, Measurement, RiderIntent};
 
@@ -104,6 +104,11 @@ impl Referee {
         if !wheels || rear_m_s < STANDSTILL_M_S as f64 - 1e-6 {
             rule(rear_nm >= 0.0, "no wheel that stands is braked (rear)")?;
         }
+        let turning = |m_s: f64| m_s * m_s * TURNING_NM_PER_M2_S2 as f64 + eps_nm;
+        if wheels {
+            rule(front_nm <= turning(front_m_s.max(0.0)), "a slow wheel goes on turning (front)")?;
+            rule(-rear_nm <= turning(rear_m_s.max(0.0)), "a slow wheel goes on turning (rear)")?;
+        }
         if wheels && w.speed_m_s as f64 - front_m_s > 0.151 * w.speed_m_s.abs() as f64 + 0.301 {
             rule(
                 front_nm == 0.0 && rear_nm == 0.0,
@@ -128,6 +133,7 @@ impl Referee {
         let at_once = LimitedBy::LEVER
             .with(LimitedBy::SLIP)
             .with(LimitedBy::STANDSTILL)
+            .with(LimitedBy::TURNING)
             .with(LimitedBy::FRICTION)
             .with(LimitedBy::POWER);
         if !limited_by.any(at_once) {
