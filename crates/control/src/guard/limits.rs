@@ -23,7 +23,7 @@ pub const STANDSTILL_M_S: f32 = 0.3;
 /// Largest brake torque of a motor by the square of its wheel's tread speed, Nm per m²/s². A wheel
 /// that loses its grip stops in a time that grows with its speed and falls with the torque, and the
 /// sensors of a slow wheel see it later, by one over its speed. It limits 80 Nm below 3.2 m/s and
-/// 40 Nm below 2.3. Found by rides over jumps of friction (`tests/friction_jumps.rs`).
+/// 40 Nm below 2.3. Found by rides over jumps of friction (`tests/stabilizer/friction_jumps.rs`).
 pub const TURNING_NM_PER_M2_S2: f32 = 8.0;
 /// Thermal time constant of a hub motor, s (guess).
 pub const THERMAL_TAU_S: f32 = 60.0;

@@ -70,7 +70,9 @@ fn ride(speed_m_s: f64, from: f64, to: f64, seed: u64) -> Seen {
         }
         let grown_nm = command.front_brake_nm - last_nm;
         let torques = [command.front_brake_nm, command.rear_traction_nm];
-        let beyond = torques.iter().any(|t| !t.is_finite() || f64::from(t.abs()) > most_nm + 1e-3);
+        let beyond = torques
+            .iter()
+            .any(|t| !t.is_finite() || f64::from(t.abs()) > most_nm + 1e-3);
         seen.broken += u64::from(beyond || command.front_brake_nm < 0.0 || grown_nm > 0.0501);
         seen.slipped |= LimitedBy::from_bits(step.output.limited_by).any(LimitedBy::SLIP);
         last_nm = command.front_brake_nm;
@@ -82,15 +84,25 @@ fn ride(speed_m_s: f64, from: f64, to: f64, seed: u64) -> Seen {
 fn friction_jumps_lock_no_wheel_and_break_no_limit() {
     let mut slips = 0;
     for speed_m_s in [0.5, 1.0, 2.0, 3.0, 5.0, 7.0] {
-        for (from, to) in [(1.0, 0.15), (1.0, 0.3), (0.6, 0.15), (0.3, 1.0), (0.15, 0.15)] {
+        for (from, to) in [
+            (1.0, 0.15),
+            (1.0, 0.3),
+            (0.6, 0.15),
+            (0.3, 1.0),
+            (0.15, 0.15),
+        ] {
             for seed in 1..=4 {
                 let seen = ride(speed_m_s, from, to, seed);
-                let what = format!("{speed_m_s} m/s, friction {from} to {to}, seed {seed}: {seen:?}");
+                let what =
+                    format!("{speed_m_s} m/s, friction {from} to {to}, seed {seed}: {seen:?}");
                 assert!(seen.slowest_ratio > LOCKED_RATIO, "a locked wheel: {what}");
                 assert_eq!(seen.broken, 0, "a broken limit: {what}");
                 slips += u64::from(seen.slipped);
             }
         }
     }
-    assert!(slips > 40, "a pair that never slips proves nothing: {slips}");
+    assert!(
+        slips > 40,
+        "a pair that never slips proves nothing: {slips}"
+    );
 }
