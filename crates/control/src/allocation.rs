@@ -37,6 +37,8 @@ pub struct Bounds {
     pub pair_max_nm: f32,
     /// True if the mode holds the pair below the configuration.
     pub by_mode: bool,
+    /// True if the fork's life holds it there.
+    pub by_fork: bool,
     /// Largest force of the front wheel that friction leaves, N.
     pub front_force_n: f32,
     /// Largest force of the rear wheel that friction leaves, N.
@@ -68,8 +70,9 @@ impl Envelope {
         }
     }
 
-    /// The limits in state `x`, when the mode allows `share_ratio` of the largest pair.
-    pub fn at(&self, x: &Estimate, share_ratio: f32) -> Bounds {
+    /// The limits in state `x`, when the mode allows `share_ratio` and the fork's life `fork_ratio` of the
+    /// largest pair.
+    pub fn at(&self, x: &Estimate, share_ratio: f32, fork_ratio: f32) -> Bounds {
         let lean_rad = (x.roll_rad.abs() + x.roll_sd_rad.at_most(ROLL_SD_MAX_RAD)).at_most(1.5);
         let by_roll = libm::tanf(lean_rad);
         let by_yaw = (x.speed_m_s * x.yaw_rate_rad_s).abs() / 9.81;
@@ -77,8 +80,9 @@ impl Envelope {
         let left = self.friction_ratio * self.friction_ratio - side_ratio * side_ratio;
         let left_ratio = libm::sqrtf(left.at_least(0.0));
         Bounds {
-            pair_max_nm: self.pair_max_nm * share_ratio,
+            pair_max_nm: self.pair_max_nm * share_ratio * fork_ratio,
             by_mode: share_ratio < 1.0,
+            by_fork: fork_ratio < 1.0,
             front_force_n: left_ratio * self.front_load_n,
             rear_force_n: left_ratio * self.rear_load_n,
             transfer_ratio: left_ratio * self.load_transfer_ratio,
@@ -110,6 +114,8 @@ impl Allocation {
         if demand.pair_nm > bounds.pair_max_nm {
             let limit = if bounds.by_mode {
                 LimitedBy::MODE
+            } else if bounds.by_fork {
+                LimitedBy::FORK
             } else {
                 LimitedBy::MAGNITUDE
             };
@@ -154,7 +160,7 @@ mod tests {
             ..Demand::default()
         };
         Allocation::new(&config)
-            .split(&demand, &Envelope::new(&config).at(x, 1.0))
+            .split(&demand, &Envelope::new(&config).at(x, 1.0, 1.0))
             .pair_ceiling_nm
     }
 
@@ -200,7 +206,7 @@ mod tests {
     fn a_balanced_pair_balances_whatever_the_wheels() {
         let mut config = shipped("constant");
         config.bicycle.rear_wheel_radius_m = 0.25;
-        let bounds = Envelope::new(&config).at(&Estimate::default(), 1.0);
+        let bounds = Envelope::new(&config).at(&Estimate::default(), 1.0, 1.0);
         let demand = Demand {
             pair_nm: 30.0,
             trim_nm: -50.0,

@@ -6,7 +6,8 @@
 //! Read [`step`] first. One tick is
 //! [`Senses`](senses::Senses) (which samples can be believed), the [`estimator`], [`doubt`] (which of
 //! them contradict each other), the [`supervisor`] (mode and health), the [`law`] (how large a pair), the [`allocation`] (how much
-//! of it the tyres carry) and the [`guard`], which trusts none of the others.
+//! of it the tyres carry) and the [`guard`], which trusts none of the others. The [`fork`] counts what
+//! comes out.
 //!
 //! The pair is parametric: straight and upright it pushes the bicycle nowhere, it stiffens the
 //! steering. So its magnitude is scheduled over speed and changed slowly; it is not fed back.
@@ -32,6 +33,7 @@ pub mod clock;
 pub mod config;
 pub mod doubt;
 pub mod estimator;
+pub mod fork;
 pub mod guard;
 pub mod law;
 pub mod schedule;
@@ -41,6 +43,7 @@ pub mod supervisor;
 
 pub use certificate::Certificate;
 pub use config::{Bicycle, Config, ConfigError, Limits, Profile};
+pub use fork::ForkLife;
 pub use law::Law;
 pub use schedule::{Point, Schedule};
 pub use step::Controller;

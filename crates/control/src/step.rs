@@ -10,6 +10,7 @@ use crate::clock::Clock;
 use crate::config::Config;
 use crate::doubt::Doubter;
 use crate::estimator::Estimator;
+use crate::fork::ForkLife;
 use crate::guard::{Guard, GuardLimits};
 use crate::law::{Demand, Law, Mechanism as _};
 use crate::senses::Senses;
@@ -28,6 +29,8 @@ pub struct Controller {
     limits: Envelope,
     allocation: Allocation,
     guard: Guard,
+    front_wheel_radius_m: f32,
+    fork: ForkLife,
 }
 
 impl Controller {
@@ -47,7 +50,19 @@ impl Controller {
             limits: Envelope::new(config),
             allocation: Allocation::new(config),
             guard: Guard::new(GuardLimits::new(config)),
+            front_wheel_radius_m: config.bicycle.front_wheel_radius_m,
+            fork: ForkLife::new(0),
         }
+    }
+
+    /// The same controller on a fork that has been used before ([`ForkLife::used`]).
+    pub fn on_fork(self, fork: ForkLife) -> Self {
+        Self { fork, ..self }
+    }
+
+    /// How much of its life the fork has used: to be stored while the bicycle is switched off.
+    pub fn fork(&self) -> &ForkLife {
+        &self.fork
     }
 
     /// One tick: what the motors should do, given what the sensors and the rider say.
@@ -87,9 +102,13 @@ impl Controller {
         let doubts = self.doubter.update(&tick, &seen, &x);
         let mode = self.supervisor.update(&tick, &seen, &x, doubts);
         let demand = law(&self.law, &self.demand, &x, tick.credit_s);
-        let bounds = self.limits.at(&x, self.supervisor.share_ratio());
+        let bounds = self
+            .limits
+            .at(&x, self.supervisor.share_ratio(), self.fork.share_ratio());
         let request = self.allocation.split(&demand, &bounds);
         let command = self.guard.apply(now, meas, rider, mode, &request);
+        self.fork
+            .add(command.front_brake_nm / self.front_wheel_radius_m);
         self.demand = demand;
         Output {
             command,

@@ -47,7 +47,7 @@ fn the_closed_form_agrees_with_the_cone_program() {
             trim_nm: dice.within(-30.0, 30.0) as f32,
             ..Demand::default()
         };
-        let bounds = Envelope::new(&config).at(&x, 1.0);
+        let bounds = Envelope::new(&config).at(&x, 1.0, 1.0);
         let split = Allocation::new(&config).split(&demand, &bounds);
         let ours_nm = f64::from(split.pair_nm.min(split.pair_ceiling_nm));
 

@@ -185,6 +185,8 @@ limits! {
     INTENT = 11, "intent", "torque ramped out slowly";
     /// A slow wheel could stop before its slip is seen.
     TURNING = 12, "turning", "braking torque held below a share of the wheel's speed, at once";
+    /// The fork has used much of its life.
+    FORK = 13, "fork", "largest pair reduced as the fork's life is used";
 }
 
 impl LimitedBy {

@@ -1,7 +1,7 @@
 //! What happens to the torque when something goes wrong, and how it comes back.
 
 use crate::frames::{Ride, config, healthy};
-use twinhub_control::{Profile, guard, supervisor};
+use twinhub_control::{ForkLife, Profile, guard, supervisor};
 use twinhub_types::{Health, Instant, LimitedBy, Mode, NEVER_NS};
 
 fn limited(ride: &Ride, limit: LimitedBy) -> bool {
@@ -324,4 +324,19 @@ fn a_refused_configuration_is_a_fault_without_torque() {
         );
     }
     assert!(supervisor::FAULTS.any(Health::CONFIG_REFUSED));
+}
+
+#[test]
+fn a_fork_near_the_end_of_its_life_carries_less() {
+    let mut fork = ForkLife::new(0);
+    while fork.used_ratio() < 0.75 {
+        [600.0, 0.0].iter().for_each(|force_n| fork.add(*force_n));
+    }
+    let mut ride = Ride::new(config("scheduled"));
+    ride.controller = ride.controller.on_fork(fork);
+    ride.go(6_000, |_, _| {});
+    // Half of the 40 Nm: the upper half of the life takes them all.
+    assert!((ride.front_nm() - 20.0).abs() < 0.02, "{} Nm", ride.front_nm());
+    assert!(limited(&ride, LimitedBy::FORK) && ride.mode() == Mode::Active);
+    assert!(ride.controller.fork().used() >= fork.used());
 }
