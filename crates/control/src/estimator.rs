@@ -51,6 +51,8 @@ const MISALIGNMENT_RAD: f32 = 0.0175;
 const TURN_S: f32 = 1.0;
 /// Slowest speed at which a bicycle is taken to balance, m/s.
 const BALANCE_SPEED_M_S: f32 = 1.5;
+/// Lateral specific force beyond which a bicycle does not balance but lies, m/s².
+const LYING_M_S2: f32 = 4.0;
 /// Memory of the balance, s: `phi''` comes from the rate before and behind it.
 const BALANCE_TAU_S: f32 = 0.1;
 /// Height at which a mass alone would roll like bicycle and rider, by that of their centre of mass: one
@@ -95,6 +97,8 @@ pub struct Estimator {
     /// Centripetal acceleration and roll rate through the low pass of the balance.
     centripetal_m_s2: f32,
     slow_rate_rad_s: f32,
+    /// Lateral specific force through the same low pass.
+    felt_m_s2: f32,
     x: Estimate,
     bias_rad_s: f32,
     // Covariance of roll and bias.
@@ -118,6 +122,7 @@ impl Estimator {
             roll_height_m: ROLL_HEIGHT_RATIO * bicycle.com_height_m,
             centripetal_m_s2: 0.0,
             slow_rate_rad_s: 0.0,
+            felt_m_s2: 0.0,
             x: Estimate {
                 roll_sd_rad: 1.0,
                 speed_sd_m_s: 30.0,
@@ -261,6 +266,7 @@ impl Estimator {
         let share = dt / (dt + BALANCE_TAU_S);
         self.centripetal_m_s2 += share * (centripetal_m_s2 - self.centripetal_m_s2);
         self.slow_rate_rad_s += share * (rate_rad_s - self.slow_rate_rad_s);
+        self.felt_m_s2 += share * (a_y - self.felt_m_s2);
         let (innovation, density) = if self.balances() {
             let accel_rad_s2 = (rate_rad_s - self.slow_rate_rad_s) / BALANCE_TAU_S;
             // Roll as it was in the middle of the memory.
@@ -276,9 +282,9 @@ impl Estimator {
         self.correct(innovation, h, density / dt.at_least(1e-4).at_most(0.02));
     }
 
-    /// True if nothing but balance can hold the bicycle up.
+    /// True if nothing but balance can hold the bicycle up. Wheels may go on turning after a fall.
     fn balances(&self) -> bool {
-        self.x.speed_m_s > BALANCE_SPEED_M_S
+        self.x.speed_m_s > BALANCE_SPEED_M_S && self.felt_m_s2.abs() < LYING_M_S2
     }
 
     /// Variance of roll that no averaging takes away, rad²: offsets and scales of the sensors.
@@ -319,11 +325,12 @@ impl Estimator {
     fn keep_sound(&mut self) {
         let sum = self.x.roll_rad + self.bias_rad_s + self.p11 + self.p12 + self.p22
             + self.centripetal_m_s2
-            + self.slow_rate_rad_s;
+            + self.slow_rate_rad_s
+            + self.felt_m_s2;
         if !sum.is_finite() {
             self.x.roll_rad = 0.0;
             self.bias_rad_s = 0.0;
-            (self.centripetal_m_s2, self.slow_rate_rad_s) = (0.0, 0.0);
+            (self.centripetal_m_s2, self.slow_rate_rad_s, self.felt_m_s2) = (0.0, 0.0, 0.0);
             (self.p11, self.p12, self.p22) =
                 (ROLL_VARIANCE_MAX_RAD2, 0.0, BIAS_VARIANCE_MAX_RAD2_S2);
         }

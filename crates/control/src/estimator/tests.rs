@@ -113,6 +113,19 @@ fn leaning_right_at_rest_is_positive_roll() {
 }
 
 #[test]
+fn a_bicycle_that_lies_is_seen_to_lie_while_its_wheels_turn() {
+    // Down within a second, then half a minute on its side; all wheels say 5 m/s.
+    let fall = |t: f64| 1.4 * ((t - 2.0).clamp(0.0, 1.0));
+    let mut estimator = fresh();
+    for end_s in [3.5, 10.0, 30.0] {
+        let (_, x) = ride(&mut estimator, end_s, 0.0, 5.0, fall, |_, _| 0.0, |_| {});
+        // Gravity alone cannot tell 80 degrees from 100.
+        assert!((1.1..2.05).contains(&x.roll_rad), "{} rad after {end_s} s", x.roll_rad);
+        estimator = fresh();
+    }
+}
+
+#[test]
 fn a_gyro_bias_is_learnt() {
     let biased = |meas: &mut Measurement| meas.imu.gyro_rad_s[0] += 0.02;
     let mut estimator = fresh();
