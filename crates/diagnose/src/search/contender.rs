@@ -2,6 +2,7 @@
 
 use super::decide::{Blocks, Gain};
 use super::fitting::Baseline;
+use super::limits;
 use super::random;
 use super::refit::{Refit, polish, refit, refreshed, sketch};
 use super::rides::Rides;
@@ -162,6 +163,13 @@ pub fn is_decided(contender: &Contender) -> bool {
     gain.is_decisive()
         && (!contender.mechanism.is_random()
             || gain.share_of_blocks > THRESHOLDS.random_share_of_blocks)
+}
+
+/// Whether it is a delay that the clocks cannot tell.
+pub fn is_within_clock(contender: &Contender, clock_s: f64) -> bool {
+    let active = contender.refit.baseline.model.active.last();
+    limits::is_delay(contender.mechanism.card().name)
+        && active.is_some_and(|a| a.p[0].abs() < clock_s)
 }
 
 /// Whether it can be no cause.

@@ -118,7 +118,7 @@ pub fn experiment(
             mechanism: card.name.to_owned(),
             parameter: card.parameters[0].name.to_owned(),
             // Half of the rides' time is taken as held out.
-            smallest: limits::limit(score, 1.0),
+            smallest: limits::limit(score, 1.0, rides.clock_s()),
         });
     }
     for (i, a) in scores.iter().enumerate() {

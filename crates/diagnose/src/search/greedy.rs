@@ -2,7 +2,7 @@
 
 use super::contender::{
     Contender, Material, Sketch, Tested, confusion, has_evidence, held_blocks, is_at_end,
-    is_decided, is_degenerate, pick,
+    is_decided, is_degenerate, is_within_clock, pick,
 };
 use super::decide::Gain;
 use super::fitting::Baseline;
@@ -94,6 +94,7 @@ pub fn search(
     progress: &mut dyn FnMut(&str),
 ) -> Option<Found> {
     let decide = !material.held.0.is_empty();
+    let clock_s = material.fit.clock_s().max(material.held.clock_s());
     let mut baseline = start;
     let mut accepted: Vec<Accepted> = vec![];
     let mut first = None;
@@ -123,6 +124,7 @@ pub fn search(
             };
             let fits = |c: &Contender| {
                 !is_degenerate(c)
+                    && !is_within_clock(c, clock_s)
                     && has_evidence(c, blocks, library.len())
                     && (!decide || is_decided(c) && c.gain.nats > least)
             };

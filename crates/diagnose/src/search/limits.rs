@@ -19,8 +19,14 @@ pub fn duration_s(rides: &Rides) -> f64 {
 pub const SAME_AS_TOLERANCE: &str =
     "its effect is the same as that of parameters within tolerance, or none in these rides";
 
-/// Smallest size of a mechanism that would be seen; `ratio` is held-out time over fit time.
-pub fn limit(score: &Score, ratio: f64) -> f64 {
+/// Whether a mechanism's size is a time that clocks have to tell.
+pub fn is_delay(name: &str) -> bool {
+    name.ends_with("_lag") || name.ends_with("_delay")
+}
+
+/// Smallest size of a mechanism that would be seen; `ratio` is held-out time over fit time, `clock_s` the
+/// shortest delay that the clocks tell.
+pub fn limit(score: &Score, ratio: f64, clock_s: f64) -> f64 {
     let information = score.information[0] / score.widening;
     let by_score = THRESHOLDS.limit_z / information.sqrt();
     let by_gain = if ratio > 0.0 {
@@ -28,12 +34,18 @@ pub fn limit(score: &Score, ratio: f64) -> f64 {
     } else {
         0.0
     };
-    score.unit.abs() * by_score.max(by_gain)
+    let by_clock = if is_delay(score.mechanism.card().name) {
+        clock_s
+    } else {
+        0.0
+    };
+    (score.unit.abs() * by_score.max(by_gain)).max(by_clock)
 }
 
 /// Fills the detection limits.
 pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
     let ratio = duration_s(held) / duration_s(fit).max(1e-9);
+    let clock_s = fit.clock_s().max(held.clock_s());
     for score in found.first.iter().filter_map(|t| t.score.as_ref()) {
         let card = score.mechanism.card();
         if super::tolerance::is_candidate(score.mechanism) {
@@ -43,6 +55,6 @@ pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
             .detection_limits
             .entry(card.name.to_owned())
             .or_default()
-            .insert(card.parameters[0].name.to_owned(), limit(score, ratio));
+            .insert(card.parameters[0].name.to_owned(), limit(score, ratio, clock_s));
     }
 }

@@ -1,5 +1,6 @@
 //! The rides of one use, and one model's passes over them.
 
+use super::thresholds::THRESHOLDS;
 use crate::engine::course::Course;
 use crate::engine::{Model, Pass, Plant, Prepared, Ride, sensitivity};
 
@@ -36,6 +37,12 @@ impl Rides {
         let rides: Vec<Prepared> = self.0.iter().filter_map(cut).collect();
         let empty = rides.iter().all(|r| r.course.readings.is_empty());
         (!empty).then_some(Self(rides))
+    }
+
+    /// Shortest delay that the clocks of the rides can tell, s.
+    pub fn clock_s(&self) -> f64 {
+        let jitters = self.0.iter().map(|r| r.ride.clock_jitter_sd_s);
+        THRESHOLDS.clock_jitter_sd * jitters.fold(0.0, f64::max)
     }
 
     pub fn readings(&self) -> usize {

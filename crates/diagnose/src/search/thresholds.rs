@@ -45,6 +45,7 @@ pub struct Thresholds {
     pub limit_nats: f64,
     pub limit_z: f64,
     pub pair_correlation: f64,
+    pub clock_jitter_sd: f64,
 }
 
 /// The thresholds in force.
