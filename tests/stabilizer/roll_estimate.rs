@@ -4,12 +4,12 @@
 //! misalignment and noise. Slalom and turns are motions that are laid down, of a bicycle that
 //! balances (`h phi'' = g sin(phi) - v psi' cos(phi)`); the rest is ridden on tyres.
 
+use crate::lay_road;
 use std::f64::consts::TAU;
 use twinhub_control::{Config, Controller};
 use twinhub_plant::noise::stream;
 use twinhub_plant::road::Road;
 use twinhub_plant::sensor::{SensorSuite, SensorTruth, sets};
-use twinhub_sim::plant::PlantChoice;
 use twinhub_sim::{Ride, Stepper};
 use twinhub_types::{Instant, RiderIntent};
 
@@ -122,10 +122,7 @@ fn on_tyres(road: &Road, speed: &str, end_s: f64, seed: u64, errors: &mut Errors
         format!("speed={speed}"),
     ];
     let mut ride = Ride::load("three_to_eight", &set).expect("a ride");
-    let PlantChoice::Multibody(plant) = &mut ride.course.plant else {
-        panic!("the course rides the multibody bicycle")
-    };
-    plant.road = road.clone().into();
+    lay_road(&mut ride, road.clone());
     let mut stepper = Stepper::new(&ride).expect("starts");
     let read_s = read_at(seed, end_s);
     while let Some(step) = stepper.step(None) {

@@ -110,7 +110,7 @@ impl Doubter {
 }
 
 /// First order; what is no number is left out.
-fn low_pass(last: f32, now: f32, dt_s: f32, tau_s: f32) -> f32 {
+pub(crate) fn low_pass(last: f32, now: f32, dt_s: f32, tau_s: f32) -> f32 {
     if now.is_finite() {
         last + (now - last) * (dt_s / (tau_s + dt_s))
     } else {

@@ -20,8 +20,8 @@
 //!
 //! # Assumes and ignores
 //! Pitch, bounce, steady side wind and a load to one side (the bicycle then balances at another roll: 20 N
-//! are a degree), and the lean of the road (roll is against gravity, and no sensor here feels the road). Wheels roll without slip, except
-//! that the median bears one wheel that does not.
+//! are a degree), and the lean of the road (roll is against gravity, and no sensor here feels the road).
+//! Wheels roll without slip, except that the median bears one wheel that does not.
 //!
 //! # Valid for
 //! Roll up to 1.2 rad. Beyond, the estimate stays finite and the supervisor calls it a fall.
@@ -38,6 +38,7 @@ use twinhub_types::{Estimate, ImuSample, NEVER_NS, RollSample, SteerSample};
 use crate::bounded::Bounded as _;
 use crate::clock::Tick;
 use crate::config::Bicycle;
+use crate::doubt::low_pass;
 use crate::senses::{RATE_MAX_RAD_S, Seen, span_s, within};
 
 const GRAVITY_M_S2: f32 = 9.81;
@@ -263,10 +264,10 @@ impl Estimator {
         // d(centripetal - g sin(phi))/d(phi)
         let h = v * ((q * cos - r * sin) * cos - yaw * sin) - GRAVITY_M_S2 * cos;
         let rate_rad_s = self.x.roll_rate_rad_s;
-        let share = dt / (dt + BALANCE_TAU_S);
-        self.centripetal_m_s2 += share * (centripetal_m_s2 - self.centripetal_m_s2);
-        self.slow_rate_rad_s += share * (rate_rad_s - self.slow_rate_rad_s);
-        self.felt_m_s2 += share * (a_y - self.felt_m_s2);
+        let slow = |last: f32, now: f32| low_pass(last, now, dt, BALANCE_TAU_S);
+        self.centripetal_m_s2 = slow(self.centripetal_m_s2, centripetal_m_s2);
+        self.slow_rate_rad_s = slow(self.slow_rate_rad_s, rate_rad_s);
+        self.felt_m_s2 = slow(self.felt_m_s2, a_y);
         let (innovation, density) = if self.balances() {
             let accel_rad_s2 = (rate_rad_s - self.slow_rate_rad_s) / BALANCE_TAU_S;
             // Roll as it was in the middle of the memory.

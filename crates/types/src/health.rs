@@ -184,7 +184,7 @@ limits! {
     /// The rider's wishes unknown to the guard.
     INTENT = 11, "intent", "torque ramped out slowly";
     /// A slow wheel could stop before its slip is seen.
-    TURNING = 12, "turning", "braking torque held below a share of the wheel's speed, at once";
+    TURNING = 12, "turning", "braking torque held below what the square of the wheel's speed allows, at once";
     /// The fork has used much of its life.
     FORK = 13, "fork", "largest pair reduced as the fork's life is used";
 }
