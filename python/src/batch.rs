@@ -54,7 +54,9 @@ pub fn batch<'py>(
                 return Err(errors::input(format!("ride {index}: {error}")));
             }
             Err(Failure::Ride(error)) => {
-                return Err(errors::python::RideError::new_err(format!("ride {index}: {error}")));
+                return Err(errors::python::RideError::new_err(format!(
+                    "ride {index}: {error}"
+                )));
             }
             // Another one's failure, which follows.
             Err(Failure::Stopped) => {}

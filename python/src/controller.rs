@@ -52,7 +52,10 @@ impl PyController {
     #[staticmethod]
     fn of_ride(config: &str) -> PyResult<Self> {
         let ride: Ride = toml::from_str(config).map_err(|e| {
-            errors::input(format!("the ride's configuration: {}", e.to_string().trim_end()))
+            errors::input(format!(
+                "the ride's configuration: {}",
+                e.to_string().trim_end()
+            ))
         })?;
         Ok(Self::of(ride.law))
     }

@@ -24,8 +24,10 @@ pub fn diagnose(
     let found = watched(py, texts(progress.as_ref()), move |teller| {
         let folders = DataFolders::new(&study, data.as_deref());
         let options = Options { without, only };
-        diagnose_in(&study, &folders, &options, &mut |text| teller.tell(text.to_owned()))
-            .map_err(|e| e.to_string())
+        diagnose_in(&study, &folders, &options, &mut |text| {
+            teller.tell(text.to_owned())
+        })
+        .map_err(|e| e.to_string())
     })?;
     let answer = found.map_err(errors::input)?;
     let plant = answer.plant.as_ref().map(|plant| plant.to_toml());
@@ -53,7 +55,8 @@ pub fn experiment(
                 read_ride(ride, &folders).map_err(|e| e.to_string())
             })
             .collect::<Result<_, _>>()?;
-        what_rides_show(&study, &rides, &mut |text| teller.tell(text.to_owned())).map_err(|e| e.to_string())
+        what_rides_show(&study, &rides, &mut |text| teller.tell(text.to_owned()))
+            .map_err(|e| e.to_string())
     })?;
     serde_json::to_string(&found.map_err(errors::input)?).map_err(errors::input)
 }

@@ -195,9 +195,9 @@ pub fn league_part(
         };
         match catch_unwind(AssertUnwindSafe(run)) {
             Ok(found) => found.map_err(refused),
-            Err(panic) if panic.is::<Ended>() => Err(errors::python::RideError::new_err(
-                "the league was stopped",
-            )),
+            Err(panic) if panic.is::<Ended>() => {
+                Err(errors::python::RideError::new_err("the league was stopped"))
+            }
             Err(panic) => Err(panicked(&*panic)),
         }
     });

@@ -47,7 +47,12 @@ pub fn linearise<'py>(
         );
         answer.set_item("a", matrix(py, 4, 4, |i, j| a[(i, j)])?)?;
         answer.set_item("b", matrix(py, 4, 2, |i, j| b[(i, j)])?)?;
-        let states = ["roll_rad", "steer_rad", "roll_rate_rad_s", "steer_rate_rad_s"];
+        let states = [
+            "roll_rad",
+            "steer_rad",
+            "roll_rate_rad_s",
+            "steer_rate_rad_s",
+        ];
         answer.set_item("states", states.to_vec())?;
         answer.set_item("inputs", vec!["roll_torque_nm", "steer_torque_nm"])?;
         let two = |m: Matrix2<f64>| matrix(py, 2, 2, |i, j| m[(i, j)]);

@@ -52,7 +52,11 @@ pub fn stability_map<'py>(
         ("oscillating_growth_1_s", &oscillating),
         ("slow_growth_1_s", &slow),
     ] {
-        let values: Vec<f64> = grid.iter().flatten().map(|g| g.unwrap_or(f64::NAN)).collect();
+        let values: Vec<f64> = grid
+            .iter()
+            .flatten()
+            .map(|g| g.unwrap_or(f64::NAN))
+            .collect();
         let shape = [torques_nm.len(), speeds_m_s.len()];
         answer.set_item(name, values.into_pyarray(py).reshape(shape)?)?;
     }

@@ -51,12 +51,14 @@ pub fn line_chart(title: &str, x_title: &str, panels: Vec<PanelData>) -> PyResul
 pub fn frontier_picture(dots: Vec<(String, f64, f64, bool)>) -> String {
     let dots: Vec<Dot> = dots
         .into_iter()
-        .map(|(name, energy_wh_per_km, effort_saved_nm, on_frontier)| Dot {
-            name,
-            energy_wh_per_km,
-            effort_saved_nm,
-            on_frontier,
-        })
+        .map(
+            |(name, energy_wh_per_km, effort_saved_nm, on_frontier)| Dot {
+                name,
+                energy_wh_per_km,
+                effort_saved_nm,
+                on_frontier,
+            },
+        )
         .collect();
     frontier_svg(&dots, true)
 }

@@ -20,7 +20,10 @@ const STUDY: &str = "study";
 #[pyfunction]
 pub fn thing_names(kind: &str) -> PyResult<Vec<String>> {
     if kind == STUDY {
-        return Ok(shipped::NAMES.iter().map(|name| (*name).to_owned()).collect());
+        return Ok(shipped::NAMES
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect());
     }
     things::names(kind).map_err(errors::setup)
 }
@@ -38,7 +41,9 @@ pub fn thing_toml(kind: &str, name: &str, assignments: Vec<String>) -> PyResult<
         Study::read(name, &assignments).map_err(errors::input)?;
         return match shipped::text(name) {
             Some(text) => Ok(text.to_owned()),
-            None => std::fs::read_to_string(name).map_err(|e| errors::input(format!("{name}: {e}"))),
+            None => {
+                std::fs::read_to_string(name).map_err(|e| errors::input(format!("{name}: {e}")))
+            }
         };
     }
     things::toml(kind, name, &assignments).map_err(errors::setup)

@@ -38,12 +38,28 @@ fn ride(seed: u64) {
         // Until the first sample of each sensor and a second more, flags are right.
         if stepper.time_s() > 2.0 {
             let health = Health::from_bits(step.output.health);
-            assert!(health.is_ok(), "seed {seed}, {} s: {health:?}, {:?}", stepper.time_s(), step.truth);
+            assert!(
+                health.is_ok(),
+                "seed {seed}, {} s: {health:?}, {:?}",
+                stepper.time_s(),
+                step.truth
+            );
         }
-        pair_s += if step.truth.front_brake_nm > 5.0 { 1e-3 } else { 0.0 };
+        pair_s += if step.truth.front_brake_nm > 5.0 {
+            1e-3
+        } else {
+            0.0
+        };
     }
-    assert!(!stepper.fell(), "seed {seed} fell at {} s", stepper.time_s());
-    assert!(pair_s > 0.8 * RIDE_S, "seed {seed}: a pair for {pair_s} s alone");
+    assert!(
+        !stepper.fell(),
+        "seed {seed} fell at {} s",
+        stepper.time_s()
+    );
+    assert!(
+        pair_s > 0.8 * RIDE_S,
+        "seed {seed}: a pair for {pair_s} s alone"
+    );
 }
 
 /// `TWINHUB_RIDE_HOURS=100` makes it a long run.

@@ -30,7 +30,11 @@ pub struct CertifyArgs {
 /// If the file is none (2), or the user stops it (130).
 pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
     let is_law = args.file.extension().is_some_and(|e| e == "toml");
-    let path = if is_law { beside(&args.file) } else { args.file.clone() };
+    let path = if is_law {
+        beside(&args.file)
+    } else {
+        args.file.clone()
+    };
     let read = |path: &Path| {
         std::fs::read_to_string(path).map_err(|e| {
             bad_input(anyhow!(
@@ -40,7 +44,10 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
         })
     };
     let certificate: Certificate = serde_json::from_str(&read(&path)?).map_err(|e| {
-        bad_input(anyhow!("{}: {e}; accepted: a proof of `twinhub design`", path.display()))
+        bad_input(anyhow!(
+            "{}: {e}; accepted: a proof of `twinhub design`",
+            path.display()
+        ))
     })?;
     let parameters = bicycle(&certificate.plan.bicycle)?;
     let stop = on_ctrl_c()?;
@@ -59,7 +66,9 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
         let same = config.certificate == proved.certificate && config.bicycle == proved.bicycle;
         let moved = (!same).then(|| "tube or bicycle are not those of the proof".to_owned());
         for wrong in broken.into_iter().chain(moved) {
-            checked.wrong.push(format!("{}: {wrong}", args.file.display()));
+            checked
+                .wrong
+                .push(format!("{}: {wrong}", args.file.display()));
         }
         checked.holds = checked.wrong.is_empty();
     }
@@ -98,5 +107,9 @@ pub fn run(args: &CertifyArgs) -> anyhow::Result<ExitCode> {
             println!("  {wrong}");
         }
     }
-    Ok(if checked.holds { ExitCode::SUCCESS } else { ExitCode::from(exit::FELL) })
+    Ok(if checked.holds {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(exit::FELL)
+    })
 }

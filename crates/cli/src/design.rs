@@ -36,7 +36,12 @@ pub struct DesignArgs {
     #[arg(long, value_name = "NAME_OR_FILE", default_value = twinhub_plant::rider::presets::BICYCLE)]
     bicycle: String,
     /// Riders who give torque: young, older; or NAME:DELAY_S
-    #[arg(long, value_name = "RIDER,..", value_delimiter = ',', default_value = "young")]
+    #[arg(
+        long,
+        value_name = "RIDER,..",
+        value_delimiter = ',',
+        default_value = "young"
+    )]
     riders: Vec<String>,
     /// Share by which the rider's mass may differ
     #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
@@ -157,10 +162,15 @@ pub fn beside(law: &Path) -> PathBuf {
 
 fn plan(args: &DesignArgs) -> anyhow::Result<Plan> {
     let pair = |flag: &str, text: &str| -> anyhow::Result<[f64; 2]> {
-        let parts: Vec<f64> = text.split(':').filter_map(|p| p.trim().parse().ok()).collect();
+        let parts: Vec<f64> = text
+            .split(':')
+            .filter_map(|p| p.trim().parse().ok())
+            .collect();
         match parts[..] {
             [a, b] if text.matches(':').count() == 1 => Ok([a, b]),
-            _ => Err(anyhow!("{flag} `{text}`: accepted: A:B, for instance 0.5:2")),
+            _ => Err(anyhow!(
+                "{flag} `{text}`: accepted: A:B, for instance 0.5:2"
+            )),
         }
     };
     let around = |flag: &str, share: f64| {
@@ -203,19 +213,30 @@ fn plan(args: &DesignArgs) -> anyhow::Result<Plan> {
 }
 
 fn parts(text: &str) -> anyhow::Result<[usize; 3]> {
-    let parts: Vec<usize> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+    let parts: Vec<usize> = text
+        .split(',')
+        .filter_map(|p| p.trim().parse().ok())
+        .collect();
     match parts[..] {
         [a, b, c] if a * b * c > 0 && text.matches(',').count() == 2 => Ok([a, b, c]),
-        _ => Err(anyhow!("--boxes `{text}`: accepted: three numbers above 0, for instance 2,2,6")),
+        _ => Err(anyhow!(
+            "--boxes `{text}`: accepted: three numbers above 0, for instance 2,2,6"
+        )),
     }
 }
 
 /// Boxes of a size that can be proved as a rule.
 fn usual(uncertainty: &FactorBox, rider: &Rider) -> [usize; 3] {
-    let finer = if rider.delay_s <= QUICK_DELAY_S { 1.0 } else { 2.0 };
+    let finer = if rider.delay_s <= QUICK_DELAY_S {
+        1.0
+    } else {
+        2.0
+    };
     let even = |[a, b]: [f64; 2]| ((b - a) / BOX_WIDTH * finer - 1e-9).ceil().max(1.0) as usize;
     let [a, b] = uncertainty.twisting;
-    let ratio = ((b / a).ln() / BOX_RATIO.ln() * finer - 1e-9).ceil().max(1.0) as usize;
+    let ratio = ((b / a).ln() / BOX_RATIO.ln() * finer - 1e-9)
+        .ceil()
+        .max(1.0) as usize;
     [even(uncertainty.mass), even(uncertainty.load), ratio]
 }
 
@@ -249,7 +270,10 @@ fn rider(text: &str) -> anyhow::Result<Rider> {
         },
     };
     found.ok_or_else(|| {
-        anyhow!("rider `{text}`: accepted: {}, or NAME:DELAY_S as somebody:0.15", names())
+        anyhow!(
+            "rider `{text}`: accepted: {}, or NAME:DELAY_S as somebody:0.15",
+            names()
+        )
     })
 }
 
@@ -307,6 +331,9 @@ fn print(certificate: &Certificate) {
             stop.because.join(", or ")
         };
         let [from, to] = stop.speeds_m_s;
-        println!("\n{from} to {to} m/s, rider {}: stopped by {because}", stop.rider);
+        println!(
+            "\n{from} to {to} m/s, rider {}: stopped by {because}",
+            stop.rider
+        );
     }
 }

@@ -6,7 +6,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::process::ExitCode;
-use twinhub_league::faults::{Case, Finding, HARMLESS_NM, Matrix, ONSET_S, SPEED_M_S, WITHDRAWN_NM_S, cases};
+use twinhub_league::faults::{
+    Case, Finding, HARMLESS_NM, Matrix, ONSET_S, SPEED_M_S, WITHDRAWN_NM_S, cases,
+};
 use twinhub_sim::setup::load_law;
 
 /// Break every sensor and the link in every way, one at a time, and say for each fault: how soon a
@@ -36,7 +38,11 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
     let law = load_law(&args.law, &[]).map_err(bad_input)?;
     let chosen: Vec<Case> = cases()
         .into_iter()
-        .filter(|case| args.only.as_ref().is_none_or(|text| case.name.contains(text)))
+        .filter(|case| {
+            args.only
+                .as_ref()
+                .is_none_or(|text| case.name.contains(text))
+        })
         .collect();
     if chosen.is_empty() {
         let names: Vec<String> = cases().into_iter().map(|case| case.name).collect();
@@ -84,7 +90,13 @@ fn print(found: &[Finding]) {
     let width = found.iter().map(|f| f.fault.len()).max().unwrap_or(0);
     println!(
         "{:width$}  {:>9} {:>10} {:>10} {:>10}  {:>24}  {:9} flags",
-        "fault, straight at 4.5 m/s", "stated", "noticed", "pair more", "withdrawn", "falls: fault, none, never", "verdict"
+        "fault, straight at 4.5 m/s",
+        "stated",
+        "noticed",
+        "pair more",
+        "withdrawn",
+        "falls: fault, none, never",
+        "verdict"
     );
     for f in found {
         let time = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{:.0} ms", t * 1e3));

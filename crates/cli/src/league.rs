@@ -91,7 +91,11 @@ pub fn run(args: &LeagueArgs) -> anyhow::Result<ExitCode> {
     let known = |number: &u64| parts.iter().any(|part| part.part == *number);
     let left: Vec<u64> = numbers.iter().copied().filter(|n| !known(n)).collect();
     if left.len() < numbers.len() {
-        eprintln!("{} of {} parts are in the file already", numbers.len() - left.len(), numbers.len());
+        eprintln!(
+            "{} of {} parts are in the file already",
+            numbers.len() - left.len(),
+            numbers.len()
+        );
     }
     let stop = on_ctrl_c()?;
     let bar = ProgressBar::new(left.len() as u64);
@@ -141,7 +145,10 @@ pub fn run(args: &LeagueArgs) -> anyhow::Result<ExitCode> {
 pub fn run_merge(args: &MergeArgs) -> anyhow::Result<ExitCode> {
     let (spec, parts, missing) = merge(&args.files).map_err(kind)?;
     if missing > 0 {
-        eprintln!("{missing} of {} parts are missing: not every shard is here, or not whole", spec.parts());
+        eprintln!(
+            "{missing} of {} parts are missing: not every shard is here, or not whole",
+            spec.parts()
+        );
     }
     if let Some(path) = &args.out {
         if path.exists() {

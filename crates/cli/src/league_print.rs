@@ -44,7 +44,10 @@ pub fn to_json(spec: &Spec, parts: &[Part]) -> serde_json::Value {
 fn estimate(e: Option<Estimate>, scale: f64, digits: usize) -> String {
     e.map_or("-".to_owned(), |e| {
         let [low, high] = e.ci95.map(|x| x * scale);
-        format!("{:.digits$} ({low:.digits$} to {high:.digits$})", e.value * scale)
+        format!(
+            "{:.digits$} ({low:.digits$} to {high:.digits$})",
+            e.value * scale
+        )
     })
 }
 
@@ -97,7 +100,10 @@ fn sentence(spec: &Spec, parts: &[Part], cells: &[Cell]) -> (bool, String) {
     let harm = if worse.is_empty() {
         "no cell of riders, speed and surface is shown to fall more".to_owned()
     } else {
-        format!("{} cells of riders, speed and surface fall more", worse.len())
+        format!(
+            "{} cells of riders, speed and surface fall more",
+            worse.len()
+        )
     };
     let text = match (best, reference(spec)) {
         (Some((p, effort, energy)), Some(r)) => format!(
@@ -123,7 +129,12 @@ pub fn print(spec: &Spec, parts: &[Part]) {
         parts.len(),
         spec.parts()
     );
-    let width = spec.controllers.iter().map(|c| c.name.len()).max().unwrap_or(0);
+    let width = spec
+        .controllers
+        .iter()
+        .map(|c| c.name.len())
+        .max()
+        .unwrap_or(0);
     println!(
         "{:width$}  {:10} {:>5} {:>22} {:>24} {:>22} {:>26}",
         COLUMNS[0], COLUMNS[1], COLUMNS[2], COLUMNS[3], COLUMNS[4], COLUMNS[5], COLUMNS[9]
@@ -141,8 +152,14 @@ pub fn print(spec: &Spec, parts: &[Part]) {
         );
     }
     if let Some(r) = reference(spec) {
-        println!("\nriders who give torque, as shares of {}", spec.controllers[r].name);
-        println!("{:width$}  {:>24} {:>24} {:>24}", "", "effort saved", "falls saved", "energy");
+        println!(
+            "\nriders who give torque, as shares of {}",
+            spec.controllers[r].name
+        );
+        println!(
+            "{:width$}  {:>24} {:>24} {:>24}",
+            "", "effort saved", "falls saved", "energy"
+        );
         for p in frontier(spec, parts) {
             println!(
                 "{:width$}  {:>24} {:>24} {:>24}{}",
@@ -150,7 +167,11 @@ pub fn print(spec: &Spec, parts: &[Part]) {
                 estimate(p.effort_share, 1.0, 2),
                 estimate(p.falls_share, 1.0, 2),
                 estimate(p.energy_share, 1.0, 2),
-                if p.on_frontier { "  on the frontier" } else { "" }
+                if p.on_frontier {
+                    "  on the frontier"
+                } else {
+                    ""
+                }
             );
         }
     }

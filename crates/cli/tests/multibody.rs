@@ -196,7 +196,16 @@ fn shards_of_a_league_put_together_are_the_league() {
     told(dir, &with(&["--shard", "2/2", "--out", "two.jsonl"]));
     let merged = json(
         dir,
-        &["merge", "two.jsonl", "one.jsonl", "--out", "both.jsonl", "--report", "league.html", "--json"],
+        &[
+            "merge",
+            "two.jsonl",
+            "one.jsonl",
+            "--out",
+            "both.jsonl",
+            "--report",
+            "league.html",
+            "--json",
+        ],
     );
     assert_eq!(merged, whole);
     let sorted = |name: &str| {
@@ -211,8 +220,12 @@ fn shards_of_a_league_put_together_are_the_league() {
 
     let rows = whole["rows"].as_array().expect("rows");
     let energy = |name: &str| {
-        let row = rows.iter().find(|r| r["controller"] == name && r["class"] == "older");
-        row.expect("a row")["energy_wh_per_km"]["value"].as_f64().expect("a number")
+        let row = rows
+            .iter()
+            .find(|r| r["controller"] == name && r["class"] == "older");
+        row.expect("a row")["energy_wh_per_km"]["value"]
+            .as_f64()
+            .expect("a number")
     };
     assert!(energy("constant") > 1.0 && energy("steering_spring").abs() < 1e-6);
     assert_eq!(rows.len(), 3, "off, and the two");
@@ -244,13 +257,28 @@ fn a_league_refuses_what_it_cannot_use() {
         }
     };
     refused(&["league", "--classes", "old"], &["old", "young_firm"]);
-    refused(&["league", "--controllers", "no_such"], &["no_such", "scheduled"]);
-    refused(&["league", "--controllers", "constant,constant"], &["constant", "twice"]);
+    refused(
+        &["league", "--controllers", "no_such"],
+        &["no_such", "scheduled"],
+    );
+    refused(
+        &["league", "--controllers", "constant,constant"],
+        &["constant", "twice"],
+    );
     refused(&["league", "--riders", "0"], &["riders", "0", "1 to"]);
     refused(&["league", "--profile", "racing"], &["racing", "en15194"]);
-    refused(&["league", "--shard", "3/2", "--out", "x.jsonl"], &["3/2", "from 1 to N"]);
-    refused(&["merge", "no_league.jsonl"], &["no_league.jsonl", "line 1"]);
-    refused(&["faults", "--only", "no such fault"], &["no such fault", "steer_angle"]);
+    refused(
+        &["league", "--shard", "3/2", "--out", "x.jsonl"],
+        &["3/2", "from 1 to N"],
+    );
+    refused(
+        &["merge", "no_league.jsonl"],
+        &["no_league.jsonl", "line 1"],
+    );
+    refused(
+        &["faults", "--only", "no such fault"],
+        &["no such fault", "steer_angle"],
+    );
 }
 
 #[test]

@@ -74,8 +74,8 @@ impl Certificate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::tests::shipped;
     use crate::config::Config;
+    use crate::config::tests::shipped;
     use crate::schedule::Point;
     use std::string::ToString;
 

@@ -128,7 +128,8 @@ mod tests {
 
     fn turning(steer_rad: f32, steer_said_rad: f32, speedometer_m_s: f32) -> (Seen, Estimate) {
         let bicycle = Config::NO_TORQUE.bicycle;
-        let yaw = libm::tanf(steer_rad * libm::cosf(bicycle.steer_tilt_rad)) * V / bicycle.wheelbase_m;
+        let yaw =
+            libm::tanf(steer_rad * libm::cosf(bicycle.steer_tilt_rad)) * V / bicycle.wheelbase_m;
         let rate = V / bicycle.front_wheel_radius_m;
         let seen = Seen {
             imu: Some(ImuSample::default()),
@@ -169,7 +170,10 @@ mod tests {
     #[test]
     fn what_fits_is_never_doubted() {
         for steer_rad in [-0.3, 0.0, 0.1, 0.3] {
-            assert_eq!(after(3000, turning(steer_rad, steer_rad, V)), Doubts::default());
+            assert_eq!(
+                after(3000, turning(steer_rad, steer_rad, V)),
+                Doubts::default()
+            );
         }
     }
 

@@ -223,7 +223,8 @@ impl Estimator {
             self.x.roll_rate_rad_s = p - self.bias_rad_s;
             self.x.roll_rad += self.x.roll_rate_rad_s * dt;
             let leak = MISALIGNMENT_RAD * MISALIGNMENT_RAD * (q * q + r * r);
-            self.p11 += dt * (GYRO_DENSITY_RAD2_S + 2.0 * TURN_S * leak - 2.0 * self.p12 + dt * self.p22);
+            self.p11 +=
+                dt * (GYRO_DENSITY_RAD2_S + 2.0 * TURN_S * leak - 2.0 * self.p12 + dt * self.p22);
             self.p12 -= dt * self.p22;
             self.p22 += dt * BIAS_DENSITY_RAD2_S3;
             return;
@@ -324,7 +325,11 @@ impl Estimator {
 
     /// Bounds of what can be; a filter that left them starts again.
     fn keep_sound(&mut self) {
-        let sum = self.x.roll_rad + self.bias_rad_s + self.p11 + self.p12 + self.p22
+        let sum = self.x.roll_rad
+            + self.bias_rad_s
+            + self.p11
+            + self.p12
+            + self.p22
             + self.centripetal_m_s2
             + self.slow_rate_rad_s
             + self.felt_m_s2;

@@ -175,7 +175,10 @@ mod tests {
         // Closed by then: half cycles of 3, 4 and 8, a cycle of 4; the rest is open.
         let expected = life(&[(30.0, 0.5), (40.0, 0.5), (80.0, 0.5), (40.0, 1.0)]);
         let found = f64::from(fork.used_ratio()) * f64::from(TEST_CYCLES) * 600f64.powi(5);
-        assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
+        assert!(
+            (found / expected - 1.0).abs() < 1e-3,
+            "{found} for {expected}"
+        );
     }
 
     #[test]
@@ -202,13 +205,21 @@ mod tests {
     fn a_ride_of_slow_pairs_is_next_to_nothing_and_ripple_is_nothing() {
         let mut fork = ForkLife::new(0);
         for _ in 0..1000 {
-            (0..40).chain((0..40).rev()).for_each(|nm| fork.add(nm as f32 / 0.35));
+            (0..40)
+                .chain((0..40).rev())
+                .for_each(|nm| fork.add(nm as f32 / 0.35));
         }
-        assert!(fork.used() > 0 && fork.used_ratio() < 1e-4, "{}", fork.used_ratio());
+        assert!(
+            fork.used() > 0 && fork.used_ratio() < 1e-4,
+            "{}",
+            fork.used_ratio()
+        );
         let mut fork = ForkLife::new(0);
         (0..10_000).for_each(|i| fork.add(100.0 + (i % 3) as f32));
         assert_eq!(fork.used(), 0);
-        [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, 0.0].iter().for_each(|x| fork.add(*x));
+        [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, 0.0]
+            .iter()
+            .for_each(|x| fork.add(*x));
         assert!((0.0..=1.0).contains(&fork.share_ratio()));
     }
 }

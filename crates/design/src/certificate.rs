@@ -163,10 +163,17 @@ impl Plan {
             }
         };
         if self.riders.is_empty() {
-            return Err(DesignError::Plan("no rider; accepted: one or more".to_owned()));
+            return Err(DesignError::Plan(
+                "no rider; accepted: one or more".to_owned(),
+            ));
         }
         for Entry { rider, parts } in &self.riders {
-            within(&format!("delay of rider {}, s", rider.name), rider.delay_s, 0.01, 0.5)?;
+            within(
+                &format!("delay of rider {}, s", rider.name),
+                rider.delay_s,
+                0.01,
+                0.5,
+            )?;
             for part in parts {
                 within("boxes along a factor", *part as f64, 1.0, 100.0)?;
             }
@@ -185,12 +192,32 @@ impl Plan {
             ));
         }
         within("slowest speed, m/s", self.speeds_m_s[0], 0.5, 20.0)?;
-        within("fastest speed, m/s", self.speeds_m_s[self.speeds_m_s.len() - 1], 0.5, 20.0)?;
+        within(
+            "fastest speed, m/s",
+            self.speeds_m_s[self.speeds_m_s.len() - 1],
+            0.5,
+            20.0,
+        )?;
         within("largest pair, Nm", self.torque_max_nm, 0.0, 100.0)?;
-        within("half the width of the tube, Nm", self.half_width_nm, 0.1, 50.0)?;
+        within(
+            "half the width of the tube, Nm",
+            self.half_width_nm,
+            0.1,
+            50.0,
+        )?;
         within("fastest change of speed, m/s²", self.rate_m_s2, 0.0, 5.0)?;
-        within("steepest schedule, Nm per m/s", self.slope_nm_per_m_s, 0.1, 500.0)?;
-        within("growth after a loss, 1/s", self.loss_growth_per_s, -5.0, 5.0)?;
+        within(
+            "steepest schedule, Nm per m/s",
+            self.slope_nm_per_m_s,
+            0.1,
+            500.0,
+        )?;
+        within(
+            "growth after a loss, 1/s",
+            self.loss_growth_per_s,
+            -5.0,
+            5.0,
+        )?;
         within("friction", self.friction_ratio, 0.05, 1.2)
     }
 }

@@ -58,7 +58,10 @@ pub fn check(
         wrong.push(error.to_string());
     }
     if let Some(difference) = difference(&certificate.bicycle_toml, &parameters.to_toml()) {
-        wrong.push(format!("the bicycle {} is another one now: {difference}", plan.bicycle));
+        wrong.push(format!(
+            "the bicycle {} is another one now: {difference}",
+            plan.bicycle
+        ));
     }
     shape(certificate, &mut wrong);
     if !wrong.is_empty() {
@@ -117,8 +120,15 @@ fn shape(certificate: &Certificate, wrong: &mut Vec<String>) {
     if speeds != plan.speeds_m_s || certificate.cells.len() + 1 != count {
         wrong.push("schedule and cells do not fit the speeds of the plan".to_owned());
     }
-    let pieces: Vec<_> = certificate.pieces.iter().map(|p| (p.rider, p.factors)).collect();
-    let whole = certificate.pieces.iter().all(|piece| piece.nodes.len() == count);
+    let pieces: Vec<_> = certificate
+        .pieces
+        .iter()
+        .map(|p| (p.rider, p.factors))
+        .collect();
+    let whole = certificate
+        .pieces
+        .iter()
+        .all(|piece| piece.nodes.len() == count);
     if pieces != plan.boxes() || !whole {
         wrong.push("the boxes do not fill the declared uncertainty for every rider".to_owned());
     }
@@ -200,7 +210,10 @@ fn check_schedule(certificate: &Certificate, parameters: &Parameters, wrong: &mu
             ));
         }
         if !(p.from_nm >= 0.0 && p.from_nm <= p.torque_nm && p.torque_nm <= p.to_nm) {
-            wrong.push(format!("the schedule leaves its tube at {} m/s", p.speed_m_s));
+            wrong.push(format!(
+                "the schedule leaves its tube at {} m/s",
+                p.speed_m_s
+            ));
         }
         if p.torque_nm > cap_nm + 1e-9 {
             wrong.push(format!(
@@ -212,7 +225,10 @@ fn check_schedule(certificate: &Certificate, parameters: &Parameters, wrong: &mu
             let slope = (q.torque_nm - p.torque_nm).abs() / (q.speed_m_s - p.speed_m_s);
             // Schedules are written in tenths of a newton metre.
             if slope > plan.slope_nm_per_m_s + 0.11 / (q.speed_m_s - p.speed_m_s) {
-                wrong.push(format!("the schedule is too steep above {} m/s", p.speed_m_s));
+                wrong.push(format!(
+                    "the schedule is too steep above {} m/s",
+                    p.speed_m_s
+                ));
             }
         }
     }
@@ -239,7 +255,10 @@ pub fn in_words(stretches_m_s: &[[f64; 2]]) -> String {
     if stretches_m_s.is_empty() {
         return "nowhere".to_owned();
     }
-    let parts: Vec<String> = stretches_m_s.iter().map(|[a, b]| format!("{a} to {b} m/s")).collect();
+    let parts: Vec<String> = stretches_m_s
+        .iter()
+        .map(|[a, b]| format!("{a} to {b} m/s"))
+        .collect();
     parts.join(", ")
 }
 
@@ -252,8 +271,12 @@ fn interpolation(certificate: &Certificate, family: &Family) -> Result<f64, Desi
     let mut worst: f64 = 0.0;
     for piece in certificate.pieces.iter().filter(|p| p.rider == 0) {
         let middle = family.member(&piece.factors.middle())?;
-        let corners: Result<Vec<Member>, _> =
-            piece.factors.corners().iter().map(|f| family.member(f)).collect();
+        let corners: Result<Vec<Member>, _> = piece
+            .factors
+            .corners()
+            .iter()
+            .map(|f| family.member(f))
+            .collect();
         let corners = corners?;
         let matrix = |member: &Member, v: f64, t: f64| -> Result<DMatrix<f64>, DesignError> {
             Ok(rider.close(&member.at(v, t)?, &none).a)

@@ -68,9 +68,7 @@ impl Local {
     fn margin(&self, p: &DMatrix<f64>) -> f64 {
         let pa = p * &self.a;
         let pb = p * &self.b;
-        let left = -(&pa + pa.transpose())
-            - self.c.transpose() * &self.c
-            - &pb * pb.transpose();
+        let left = -(&pa + pa.transpose()) - self.c.transpose() * &self.c - &pb * pb.transpose();
         left.symmetric_eigenvalues().min()
     }
 
@@ -99,7 +97,9 @@ pub fn climb(
     start: &DMatrix<f64>,
     goal_per_s: f64,
 ) -> Result<Climbed, DesignError> {
-    climb_until(loops, start, goal_per_s, FAR, &mut |_, margin| margin >= goal_per_s)
+    climb_until(loops, start, goal_per_s, FAR, &mut |_, margin| {
+        margin >= goal_per_s
+    })
 }
 
 /// Climbs from `start`, no entry of the matrix by more than `reach` in a round (in coordinates where
@@ -122,7 +122,10 @@ pub fn climb_until(
     let mut since = 0;
     for round in 0..=ROUNDS {
         let inverse = inverse_of(&root)?;
-        let local: Vec<Local> = loops.iter().map(|l| Local::new(l, &root, &inverse)).collect();
+        let local: Vec<Local> = loops
+            .iter()
+            .map(|l| Local::new(l, &root, &inverse))
+            .collect();
         let margins: Vec<f64> = local.iter().map(|l| l.margin(&one)).collect();
         let margin = margins.iter().copied().fold(f64::INFINITY, f64::min);
         let before = best.as_ref().map(|b| b.margin_per_s);
@@ -257,8 +260,9 @@ fn program(
             (terms, constant)
         };
         let first = next;
-        let pairs: Vec<(usize, usize)> =
-            (0..m).flat_map(|i| (i + 1..m).map(move |j| (i, j))).collect();
+        let pairs: Vec<(usize, usize)> = (0..m)
+            .flat_map(|i| (i + 1..m).map(move |j| (i, j)))
+            .collect();
         next += 2 * pairs.len();
         // Diagonal: what the blocks take is there.
         for i in 0..m {
@@ -294,9 +298,15 @@ fn program(
         .max_iter(40)
         .build()
         .map_err(|e| DesignError::Solver(e.to_string()))?;
-    let mut solver =
-        DefaultSolver::new(&CscMatrix::zeros((next, next)), &q, &a, &rows.b, &cones, settings)
-            .map_err(|e| DesignError::Solver(e.to_string()))?;
+    let mut solver = DefaultSolver::new(
+        &CscMatrix::zeros((next, next)),
+        &q,
+        &a,
+        &rows.b,
+        &cones,
+        settings,
+    )
+    .map_err(|e| DesignError::Solver(e.to_string()))?;
     solver.solve();
     if !matches!(
         solver.solution.status,

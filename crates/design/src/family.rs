@@ -73,7 +73,9 @@ impl FactorBox {
         // The last part ends where the whole does, whatever the rounding.
         let cut = |n: usize, end: f64, at: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
             let at = |i: usize| at(i as f64);
-            (0..n).map(|i| [at(i), if i + 1 == n { end } else { at(i + 1) }]).collect()
+            (0..n)
+                .map(|i| [at(i), if i + 1 == n { end } else { at(i + 1) }])
+                .collect()
         };
         let even = |[a, b]: [f64; 2], n: usize| cut(n, b, &|i| a + (b - a) * i / n as f64);
         let ratio = |[a, b]: [f64; 2], n: usize| cut(n, b, &|i| a * libm::pow(b / a, i / n as f64));

@@ -33,12 +33,7 @@ pub struct Along<'a> {
 }
 
 /// Is the inequality proved along the cell, rounding included?
-pub fn proved(
-    along: &Along<'_>,
-    p: [&DMatrix<f64>; 2],
-    rate_m_s2: f64,
-    cell_m_s: f64,
-) -> bool {
+pub fn proved(along: &Along<'_>, p: [&DMatrix<f64>; 2], rate_m_s2: f64, cell_m_s: f64) -> bool {
     let scale = scaling(p[0], p[1]);
     let half = (&along.first.a + &along.second.a) * 0.5;
     // The middle coefficient of the parabola.
@@ -144,7 +139,8 @@ pub fn positive(m: &DMatrix<f64>, size: f64) -> bool {
     let n = m.nrows() as f64;
     let unit = f64::EPSILON;
     let formed = 8.0 * (n + 16.0) * unit * size;
-    let factored = 2.0 * (n + 1.0) * (n + 2.0) * unit * m.diagonal().iter().map(|d| d.abs()).sum::<f64>();
+    let factored =
+        2.0 * (n + 1.0) * (n + 2.0) * unit * m.diagonal().iter().map(|d| d.abs()).sum::<f64>();
     let mut shifted = m.clone();
     for i in 0..m.nrows() {
         shifted[(i, i)] -= formed + factored;
@@ -193,10 +189,11 @@ mod tests {
 
     #[test]
     fn the_rate_of_speed_counts_in_both_directions() {
-        let (p, q) = (DMatrix::from_element(1, 1, 1.0), DMatrix::from_element(1, 1, 2.0));
-        let ok = |rate: f64, p: [&DMatrix<f64>; 2]| {
-            along([-1.0; 3], 0.1, 0.1, p, rate)
-        };
+        let (p, q) = (
+            DMatrix::from_element(1, 1, 1.0),
+            DMatrix::from_element(1, 1, 2.0),
+        );
+        let ok = |rate: f64, p: [&DMatrix<f64>; 2]| along([-1.0; 3], 0.1, 0.1, p, rate);
         // V' = (-2 p ± r dp/dv) x²: p from 1 to 2 over 1 m/s.
         assert!(ok(1.9, [&p, &q]) && !ok(2.1, [&p, &q]));
         assert!(ok(1.9, [&q, &p]) && !ok(2.1, [&q, &p]));

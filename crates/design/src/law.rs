@@ -39,7 +39,9 @@ pub fn config(certificate: &Certificate, bicycle: &Bicycle) -> Result<Config, De
                 })
                 .collect();
             Schedule::new(&points).map_err(|e| {
-                DesignError::Plan(format!("{e}: fewer speeds, or a less ragged schedule (slope)"))
+                DesignError::Plan(format!(
+                    "{e}: fewer speeds, or a less ragged schedule (slope)"
+                ))
             })
         };
         let scheduled = Scheduled {
@@ -76,7 +78,9 @@ pub fn config(certificate: &Certificate, bicycle: &Bicycle) -> Result<Config, De
         law,
         certificate: tube,
     };
-    config.check().map_err(|e| DesignError::Plan(e.to_string()))?;
+    config
+        .check()
+        .map_err(|e| DesignError::Plan(e.to_string()))?;
     Ok(config)
 }
 

@@ -103,7 +103,6 @@ impl Rider {
     }
 }
 
-
 impl Rider {
     /// The loops that this rider closes with `gains` on each of these.
     pub fn close_all(&self, vehicles: &[Vehicle], gains: &Gains) -> Vec<Loop> {
@@ -113,7 +112,10 @@ impl Rider {
 
 /// Largest growth rate of these loops, as [`growth_per_s`].
 pub fn worst_growth_per_s(loops: &[Loop]) -> f64 {
-    loops.iter().map(growth_per_s).fold(f64::NEG_INFINITY, f64::max)
+    loops
+        .iter()
+        .map(growth_per_s)
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Largest growth rate of the loop with the Padé approximant alone, 1/s; infinite if the eigenvalues
@@ -201,6 +203,9 @@ mod tests {
             .solve(&closed.b.map(|b| Complex::new(b, 0.0)))
             .expect("regular");
         let z: Complex<f64> = (0..n).map(|i| x[i] * closed.c[i]).sum();
-        assert!((z - expected).norm_sqr() < 1e-18 * expected.norm_sqr(), "{z} {expected}");
+        assert!(
+            (z - expected).norm_sqr() < 1e-18 * expected.norm_sqr(),
+            "{z} {expected}"
+        );
     }
 }

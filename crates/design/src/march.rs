@@ -62,17 +62,25 @@ pub fn march(
         }
         let point = &schedule[k];
         changed |= before.is_none_or(|(points, _)| points[k] != *point);
-        let known = before.filter(|_| !changed).map(|(_, piece)| &piece.nodes[k]);
+        let known = before
+            .filter(|_| !changed)
+            .map(|(_, piece)| &piece.nodes[k]);
         let (at, wider) = match known {
             Some(known) => (At::new(who, &bicycles, point, &known.gains)?, Vec::new()),
             None => {
                 let around = wider.at(point.speed_m_s, [point.from_nm, point.to_nm])?;
                 let (gains, _) = gains(who, &around, last.as_ref().map(|l| &l.at.gains));
-                (At::new(who, &bicycles, point, &gains)?, who.close_all(&around, &gains))
+                (
+                    At::new(who, &bicycles, point, &gains)?,
+                    who.close_all(&around, &gains),
+                )
             }
         };
         let above = match &last {
-            Some(Found { at: upper, p: Some(p) }) => Some(Above {
+            Some(Found {
+                at: upper,
+                p: Some(p),
+            }) => Some(Above {
                 cell: Cell::new(who, &bicycles, [&at, upper])?,
                 at: upper,
                 p,
@@ -123,7 +131,8 @@ struct Above<'a> {
 
 impl Above<'_> {
     fn proves(&self, at: &At, p: &DMatrix<f64>) -> bool {
-        self.cell.is_proved([at, self.at], [p, self.p], self.rate_m_s2)
+        self.cell
+            .is_proved([at, self.at], [p, self.p], self.rate_m_s2)
     }
 }
 
@@ -170,7 +179,10 @@ fn near(
         if proving.is_some() {
             return Ok((proving, true));
         }
-        if best.as_ref().is_none_or(|b| climbed.margin_per_s > b.margin_per_s) {
+        if best
+            .as_ref()
+            .is_none_or(|b| climbed.margin_per_s > b.margin_per_s)
+        {
             best = Some(climbed);
         }
     }

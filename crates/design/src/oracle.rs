@@ -64,7 +64,10 @@ impl Oracle {
         drive_n: f64,
     ) -> Result<f64, OracleError> {
         let t = drive_n.max(0.0);
-        let (front, rear) = (road.front_load_n - road.transfer_ratio * t, road.rear_load_n);
+        let (front, rear) = (
+            road.front_load_n - road.transfer_ratio * t,
+            road.rear_load_n,
+        );
         // Forces as shares of the front load at rest: numbers near one.
         let scale = road.front_load_n;
         let (mu, s) = (road.friction_ratio, road.side_ratio);

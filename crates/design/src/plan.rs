@@ -104,7 +104,13 @@ pub fn run(
     let mut pass = 0;
     loop {
         let schedule = tube(plan, &largest(speeds, &caps, plan.slope_nm_per_m_s)?);
-        let stopped = || !watch(Progress { doing: "proof", done: 0, of: 0 });
+        let stopped = || {
+            !watch(Progress {
+                doing: "proof",
+                done: 0,
+                of: 0,
+            })
+        };
         let marched = parallel(boxes.len(), "proof", watch, &|k, go_on| {
             let (rider, factors) = boxes[k];
             let known = before
@@ -212,7 +218,12 @@ fn loss_caps(
         Ok(caps)
     })?;
     Ok((0..plan.speeds_m_s.len())
-        .map(|i| found.iter().map(|caps| caps[i]).fold(f64::INFINITY, f64::min))
+        .map(|i| {
+            found
+                .iter()
+                .map(|caps| caps[i])
+                .fold(f64::INFINITY, f64::min)
+        })
         .collect())
 }
 
@@ -242,7 +253,11 @@ fn parallel<T: Send>(
         done.fetch_add(1, Ordering::Relaxed);
         result.map_err(|error| failed.set(error)).ok()
     };
-    let found: Vec<Option<T>> = (0..count).into_par_iter().with_max_len(1).map(one).collect();
+    let found: Vec<Option<T>> = (0..count)
+        .into_par_iter()
+        .with_max_len(1)
+        .map(one)
+        .collect();
     match failed.into_inner() {
         Some(error) => Err(error),
         None => Ok(found.into_iter().flatten().collect()),

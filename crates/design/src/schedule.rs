@@ -14,8 +14,7 @@
 use crate::DesignError;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
-    SupportedConeT,
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT,
 };
 
 /// The pair at each speed, Nm.
@@ -54,11 +53,20 @@ pub fn largest(
         .verbose(false)
         .build()
         .map_err(|e| DesignError::Solver(e.to_string()))?;
-    let mut solver =
-        DefaultSolver::new(&CscMatrix::zeros((n, n)), &vec![-1.0; n], &a, &b, &cones, settings)
-            .map_err(|e| DesignError::Solver(e.to_string()))?;
+    let mut solver = DefaultSolver::new(
+        &CscMatrix::zeros((n, n)),
+        &vec![-1.0; n],
+        &a,
+        &b,
+        &cones,
+        settings,
+    )
+    .map_err(|e| DesignError::Solver(e.to_string()))?;
     solver.solve();
-    if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+    if !matches!(
+        solver.solution.status,
+        SolverStatus::Solved | SolverStatus::AlmostSolved
+    ) {
         return Err(DesignError::Solver(format!(
             "the schedule's program ended with {:?}",
             solver.solution.status

@@ -44,12 +44,19 @@ pub fn from_scratch(loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignEr
     loop {
         let next = (spread + stride).min(1.0);
         let there: Vec<Loop> = loops.iter().map(|l| between(&mean, l, next)).collect();
-        let goal_per_s = if next < 1.0 { 0.2 * goal_per_s } else { goal_per_s };
+        let goal_per_s = if next < 1.0 {
+            0.2 * goal_per_s
+        } else {
+            goal_per_s
+        };
         let found = climb(&there, &p, goal_per_s)?;
         if found.margin_per_s <= 0.0 {
             stride *= 0.5;
             if stride < 0.02 {
-                return Ok(Climbed { margin_per_s: -1.0, ..found });
+                return Ok(Climbed {
+                    margin_per_s: -1.0,
+                    ..found
+                });
             }
         } else if next < 1.0 {
             p = found.p;

@@ -45,7 +45,11 @@ pub fn stops(
             .find(|p| p.nodes[cell].lyapunov.is_empty() || p.nodes[end].lyapunov.is_empty());
         let (rider, because) = match lacking {
             Some(piece) => {
-                let node = if piece.nodes[end].lyapunov.is_empty() { end } else { cell };
+                let node = if piece.nodes[end].lyapunov.is_empty() {
+                    end
+                } else {
+                    cell
+                };
                 (piece.rider, at_node(plan, family, piece, &schedule[node])?)
             }
             None => {
@@ -108,11 +112,30 @@ fn at_node(
     let all = piece.factors;
     let edges = [point.from_nm, point.to_nm];
     let cases: [(&str, FactorBox, [f64; 2], bool); 5] = [
-        ("mass", FactorBox { mass: [middle.mass; 2], ..all }, edges, true),
-        ("tyre load", FactorBox { load: [middle.load; 2], ..all }, edges, true),
+        (
+            "mass",
+            FactorBox {
+                mass: [middle.mass; 2],
+                ..all
+            },
+            edges,
+            true,
+        ),
+        (
+            "tyre load",
+            FactorBox {
+                load: [middle.load; 2],
+                ..all
+            },
+            edges,
+            true,
+        ),
         (
             "twisting torque",
-            FactorBox { twisting: [middle.twisting; 2], ..all },
+            FactorBox {
+                twisting: [middle.twisting; 2],
+                ..all
+            },
             edges,
             true,
         ),

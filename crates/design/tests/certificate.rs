@@ -70,13 +70,25 @@ fn wrong(certificate: &Certificate, parameters: &Parameters) -> Vec<String> {
 #[test]
 fn a_narrow_plan_is_proved_with_a_pair_and_the_proof_holds() {
     let certificate = certificate();
-    assert!(certificate.cells.iter().all(|proved| *proved), "{:?}", certificate.stops);
+    assert!(
+        certificate.cells.iter().all(|proved| *proved),
+        "{:?}",
+        certificate.stops
+    );
     assert!(certificate.schedule.iter().any(|p| p.torque_nm >= 15.0));
     let checked = check(certificate, &bicycle(&[]), &|_, _| true).expect("has a model");
     assert!(checked.holds, "{:?}", checked.wrong);
     assert_eq!(checked.proved_m_s, [[6.5, 8.0]]);
-    assert!(checked.inequalities >= 6 * 8 * 18, "{}", checked.inequalities);
-    assert!(checked.interpolation_ratio < 1e-3, "{}", checked.interpolation_ratio);
+    assert!(
+        checked.inequalities >= 6 * 8 * 18,
+        "{}",
+        checked.inequalities
+    );
+    assert!(
+        checked.interpolation_ratio < 1e-3,
+        "{}",
+        checked.interpolation_ratio
+    );
 }
 
 #[test]
@@ -84,7 +96,9 @@ fn another_bicycle_fails_with_the_line_that_differs() {
     let changed = bicycle(&["rider.trunk.mass_kg=45.6"]);
     let wrong = wrong(certificate(), &changed);
     assert!(
-        wrong.iter().any(|w| w.contains("[rider.trunk]") && w.contains("mass_kg = 45.6")),
+        wrong
+            .iter()
+            .any(|w| w.contains("[rider.trunk]") && w.contains("mass_kg = 45.6")),
         "{wrong:?}"
     );
 }
@@ -94,21 +108,37 @@ fn a_proof_that_was_tampered_with_fails() {
     let bicycle = bicycle(&[]);
     let mut gains = certificate().clone();
     gains.pieces[0].nodes[2].gains[0] += 40.0;
-    assert!(wrong(&gains, &bicycle).iter().any(|w| w.contains("inequality")));
+    assert!(
+        wrong(&gains, &bicycle)
+            .iter()
+            .any(|w| w.contains("inequality"))
+    );
 
     let mut matrix = certificate().clone();
     for entry in &mut matrix.pieces[0].nodes[3].lyapunov {
         *entry *= 3.0;
     }
-    assert!(wrong(&matrix, &bicycle).iter().any(|w| w.contains("inequality")));
+    assert!(
+        wrong(&matrix, &bicycle)
+            .iter()
+            .any(|w| w.contains("inequality"))
+    );
 
     let mut missing = certificate().clone();
     missing.pieces[0].nodes[1].lyapunov.clear();
-    assert!(wrong(&missing, &bicycle).iter().any(|w| w.contains("missing")));
+    assert!(
+        wrong(&missing, &bicycle)
+            .iter()
+            .any(|w| w.contains("missing"))
+    );
 
     let mut wider = certificate().clone();
     wider.plan.uncertainty.twisting = [0.5, 2.0];
-    assert!(wrong(&wider, &bicycle).iter().any(|w| w.contains("uncertainty")));
+    assert!(
+        wrong(&wider, &bicycle)
+            .iter()
+            .any(|w| w.contains("uncertainty"))
+    );
 
     let mut higher = certificate().clone();
     higher.schedule[3].torque_nm += 20.0;
@@ -130,7 +160,10 @@ fn the_law_file_is_read_back_and_refuses_another_bicycle_or_schedule() {
     };
     for point in &certificate().schedule {
         let pair_nm = f64::from(scheduled.points.pair_nm(point.speed_m_s as f32));
-        assert!((pair_nm - point.torque_nm).abs() < 0.06, "{point:?} {pair_nm}");
+        assert!(
+            (pair_nm - point.torque_nm).abs() < 0.06,
+            "{point:?} {pair_nm}"
+        );
     }
     let mut other = toml::from_str::<Config>(&text).expect("reads");
     other.bicycle.wheelbase_m += 0.01;
@@ -158,5 +191,8 @@ fn a_plan_that_makes_no_sense_is_refused_and_a_wish_to_stop_is_heard() {
     let error = run(&plan, &bicycle(&[]), &|_| true).expect_err("no number");
     assert!(error.to_string().contains("tube"), "{error}");
     plan.half_width_nm = 5.0;
-    assert_eq!(run(&plan, &bicycle(&[]), &|_| false), Err(DesignError::Stopped));
+    assert_eq!(
+        run(&plan, &bicycle(&[]), &|_| false),
+        Err(DesignError::Stopped)
+    );
 }

@@ -63,7 +63,12 @@ fn the_closed_form_agrees_with_the_cone_program() {
         let most_nm = f64::from(bounds.pair_max_nm);
         let drive_n = f64::from(demand.trim_nm) / f64::from(b.rear_wheel_radius_m);
         let oracle_n = Oracle
-            .pair_n(&road, f64::from(demand.pair_nm) / r_f, most_nm / r_f, drive_n)
+            .pair_n(
+                &road,
+                f64::from(demand.pair_nm) / r_f,
+                most_nm / r_f,
+                drive_n,
+            )
             .unwrap_or_else(|e| panic!("case {case}: {e}"));
         let oracle_nm = oracle_n * r_f;
         // Where next to no friction is left, the root of a difference magnifies the rounding.

@@ -7,9 +7,7 @@
 //! area of an upright city rider (as in the course `three_to_eight`).
 
 use serde::{Deserialize, Serialize};
-use twinhub_plant::disturbance::{
-    Disturbance, Gust, Kick, Place, RigMultisine, SideForce, Timed,
-};
+use twinhub_plant::disturbance::{Disturbance, Gust, Kick, Place, RigMultisine, SideForce, Timed};
 use twinhub_plant::noise::{Gaussian, stream};
 use twinhub_plant::road::{Patch, Road};
 use twinhub_plant::wind::Wind;
@@ -171,7 +169,10 @@ fn disturbances(noise: &mut Gaussian, duration_s: f64, speed_m_s: f64) -> Vec<Ti
     let start = |noise: &mut Gaussian| 1.0 + between(noise, 0.1, 0.75) * room_s;
     if noise.uniform() < 0.5 {
         let start_s = start(noise);
-        at(start_s, side_force(between(noise, 6.0, 14.0), fifth_s.max(3.0)));
+        at(
+            start_s,
+            side_force(between(noise, 6.0, 14.0), fifth_s.max(3.0)),
+        );
     }
     if noise.uniform() < 0.4 {
         let impulse_n_s = side(noise) * between(noise, 2.0, 12.0);

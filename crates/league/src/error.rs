@@ -53,7 +53,9 @@ pub enum LeagueError {
         source: std::io::Error,
     },
     /// A file is not what it should be.
-    #[error("{path}, line {line}: {detail}; accepted: a file that `twinhub league --out` has written")]
+    #[error(
+        "{path}, line {line}: {detail}; accepted: a file that `twinhub league --out` has written"
+    )]
     Format {
         /// The file.
         path: PathBuf,
@@ -63,7 +65,9 @@ pub enum LeagueError {
         detail: String,
     },
     /// A file belongs to another league.
-    #[error("{path}: written for another league: {detail}; accepted: the same seed, riders, classes, controllers and profile")]
+    #[error(
+        "{path}: written for another league: {detail}; accepted: the same seed, riders, classes, controllers and profile"
+    )]
     OtherLeague {
         /// The file.
         path: PathBuf,
@@ -71,7 +75,9 @@ pub enum LeagueError {
         detail: String,
     },
     /// Two files disagree about a part.
-    #[error("{path}: part {part} differs from what another file says; the files come from different programs or machines that do not compute alike")]
+    #[error(
+        "{path}: part {part} differs from what another file says; the files come from different programs or machines that do not compute alike"
+    )]
     Conflict {
         /// The file.
         path: PathBuf,

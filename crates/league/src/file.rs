@@ -102,7 +102,11 @@ fn parse(path: &Path, text: &str) -> Result<(Spec, Vec<Part>), LeagueError> {
     for (index, line) in lines {
         let part: Part = serde_json::from_str(line).map_err(|e| bad(index + 1, e))?;
         let wrong = if part.part >= spec.parts() {
-            Some(format!("part {} of a league of {}", part.part, spec.parts()))
+            Some(format!(
+                "part {} of a league of {}",
+                part.part,
+                spec.parts()
+            ))
         } else if part.scores.len() != spec.controllers.len() {
             Some(format!(
                 "part {} has {} scores for {} controllers",

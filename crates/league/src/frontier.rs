@@ -67,19 +67,28 @@ pub fn frontier(spec: &Spec, parts: &[Part]) -> Vec<Point> {
         .enumerate()
         .map(|(i, contestant)| {
             let share = |pairs: Option<Vec<(f64, f64)>>| pairs.and_then(|p| ratio(&p));
-            let km: f64 = parts.iter().map(|p| p.scores[0].metrics.distance_m / 1000.0).sum();
+            let km: f64 = parts
+                .iter()
+                .map(|p| p.scores[0].metrics.distance_m / 1000.0)
+                .sum();
             let falls: f64 = parts.iter().map(|p| fell(p, 0) - fell(p, i)).sum();
             let mean = |sum: f64, n: usize| (n > 0).then(|| sum / n as f64);
-            let energy_wh: f64 = parts.iter().map(|p| p.scores[i].metrics.energy_j / 3600.0).sum();
-            let own_km: f64 = parts.iter().map(|p| p.scores[i].metrics.distance_m / 1000.0).sum();
+            let energy_wh: f64 = parts
+                .iter()
+                .map(|p| p.scores[i].metrics.energy_j / 3600.0)
+                .sum();
+            let own_km: f64 = parts
+                .iter()
+                .map(|p| p.scores[i].metrics.distance_m / 1000.0)
+                .sum();
             Point {
                 controller: contestant.name.clone(),
                 energy_wh_per_km: (own_km > 0.0).then(|| energy_wh / own_km),
                 effort_saved_nm: mean(up.iter().map(|p| saved(p, i)).sum(), up.len()),
                 falls_saved_per_1000_km: (km > 0.0).then(|| falls / (km / 1000.0)),
-                effort_share: share(reference.map(|r| {
-                    up.iter().map(|p| (saved(p, i), saved(p, r))).collect()
-                })),
+                effort_share: share(
+                    reference.map(|r| up.iter().map(|p| (saved(p, i), saved(p, r))).collect()),
+                ),
                 falls_share: share(reference.map(|r| {
                     let pair = |p: &&Part| (fell(p, 0) - fell(p, i), fell(p, 0) - fell(p, r));
                     parts.iter().map(pair).collect()
@@ -97,9 +106,10 @@ pub fn frontier(spec: &Spec, parts: &[Part]) -> Vec<Point> {
         let Some((energy, saved)) = places[i] else {
             continue;
         };
-        point.on_frontier = !places.iter().flatten().any(|(e, s)| {
-            *e <= energy && *s >= saved && (*e < energy || *s > saved)
-        });
+        point.on_frontier = !places
+            .iter()
+            .flatten()
+            .any(|(e, s)| *e <= energy && *s >= saved && (*e < energy || *s > saved));
     }
     points
 }

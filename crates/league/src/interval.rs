@@ -82,7 +82,11 @@ pub fn rate(events: u64, exposure: f64) -> Option<Estimate> {
         ChiSquared::new(freedom).map_or(f64::NAN, |d| 0.5 * d.inverse_cdf(part))
     };
     let k = events as f64;
-    let low = if events == 0 { 0.0 } else { half_quantile(0.025, 2.0 * k) };
+    let low = if events == 0 {
+        0.0
+    } else {
+        half_quantile(0.025, 2.0 * k)
+    };
     let high = half_quantile(0.975, 2.0 * k + 2.0);
     Some(Estimate {
         value: k / exposure,
@@ -93,10 +97,18 @@ pub fn rate(events: u64, exposure: f64) -> Option<Estimate> {
 /// Difference of two paired shares: of `n` pairs, the event came `only_first` times to the first
 /// alone and `only_second` times to the second alone. First less second, with the two-sided interval
 /// of `confidence`.
-pub fn paired_difference(only_first: u64, only_second: u64, n: u64, confidence: f64) -> (f64, [f64; 2]) {
+pub fn paired_difference(
+    only_first: u64,
+    only_second: u64,
+    n: u64,
+    confidence: f64,
+) -> (f64, [f64; 2]) {
     let all = n.max(1) as f64;
     let (first, second) = (only_first as f64, only_second as f64);
-    let (p12, p21) = ((first + 1.0) / (n as f64 + 2.0), (second + 1.0) / (n as f64 + 2.0));
+    let (p12, p21) = (
+        (first + 1.0) / (n as f64 + 2.0),
+        (second + 1.0) / (n as f64 + 2.0),
+    );
     let middle = p12 - p21;
     let spread = libm::sqrt((p12 + p21 - middle * middle) / (n as f64 + 2.0));
     let z = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);

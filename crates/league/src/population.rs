@@ -90,7 +90,10 @@ impl Class {
 
     /// True for riders who give torque, with gains for this bicycle.
     pub const fn gives_torque(self) -> bool {
-        matches!(self, Self::Young | Self::Older | Self::YoungRoll | Self::OlderRoll)
+        matches!(
+            self,
+            Self::Young | Self::Older | Self::YoungRoll | Self::OlderRoll
+        )
     }
 
     /// The designed rider that stands for the class; none for the published one.
@@ -212,8 +215,15 @@ mod tests {
     fn classes_have_the_published_delays() {
         let [low, mean, high] = Class::YoungFirm.delays_s();
         assert_eq!(mean, 0.22);
-        assert!((high - mean - 1.2247 * 0.02).abs() < 1e-4 && (mean - low - (high - mean)).abs() < 1e-12);
-        assert_eq!(Class::Older.delays_s()[2], 0.35, "0.21 + 1.22 * 0.13 is cut off");
+        assert!(
+            (high - mean - 1.2247 * 0.02).abs() < 1e-4
+                && (mean - low - (high - mean)).abs() < 1e-12
+        );
+        assert_eq!(
+            Class::Older.delays_s()[2],
+            0.35,
+            "0.21 + 1.22 * 0.13 is cut off"
+        );
         for class in Class::ALL {
             assert_eq!(Class::named(class.name()), Some(class));
             assert_eq!(class.preset().is_none(), class == Class::Published);

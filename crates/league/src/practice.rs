@@ -42,8 +42,10 @@ impl Practice {
         let mut kinds: Vec<Vec<Situation>> = Vec::new();
         let mut kind_of = Vec::new();
         for contestant in contestants {
-            let asked: Vec<Situation> =
-                SPEEDS_M_S.iter().map(|v| situation(contestant, *v)).collect();
+            let asked: Vec<Situation> = SPEEDS_M_S
+                .iter()
+                .map(|v| situation(contestant, *v))
+                .collect();
             let known = kinds.iter().position(|kind| *kind == asked);
             kind_of.push(known.unwrap_or(kinds.len()));
             if known.is_none() {
@@ -118,7 +120,11 @@ fn situation(contestant: &Contestant, speed_m_s: f64) -> Situation {
     let (law, limits) = (&contestant.law.law, &contestant.law.limits);
     let acts = f64::from(limits.speed_min_m_s) <= speed_m_s
         && speed_m_s <= f64::from(limits.speed_max_m_s);
-    let most_nm = if acts { f64::from(limits.torque_max_nm) } else { 0.0 };
+    let most_nm = if acts {
+        f64::from(limits.torque_max_nm)
+    } else {
+        0.0
+    };
     let mut pairs_nm: Vec<f64> = law
         .settled_nm(speed_m_s as f32)
         .map(|nm| f64::from(nm).min(most_nm))

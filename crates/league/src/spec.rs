@@ -111,7 +111,10 @@ impl Spec {
             return bad("classes", "none".into(), "at least one class of riders");
         }
         for (i, contestant) in self.controllers.iter().enumerate() {
-            if self.controllers[..i].iter().any(|c| c.name == contestant.name) {
+            if self.controllers[..i]
+                .iter()
+                .any(|c| c.name == contestant.name)
+            {
                 return Err(LeagueError::Twice {
                     name: contestant.name.clone(),
                 });
@@ -152,9 +155,15 @@ impl Spec {
         } else if self.seed != other.seed {
             Some(format!("its seed is {}, here {}", other.seed, self.seed))
         } else if self.riders != other.riders {
-            Some(format!("it has {} riders, here {}", other.riders, self.riders))
+            Some(format!(
+                "it has {} riders, here {}",
+                other.riders, self.riders
+            ))
         } else if self.classes != other.classes {
-            Some(format!("its classes are {:?}, here {:?}", other.classes, self.classes))
+            Some(format!(
+                "its classes are {:?}, here {:?}",
+                other.classes, self.classes
+            ))
         } else if names(self) != names(other) {
             let (theirs, ours) = (names(other).join(", "), names(self).join(", "));
             Some(format!("its controllers are {theirs}, here {ours}"))
@@ -174,8 +183,9 @@ fn contestant(name: &str, profile: Option<Profile>) -> Result<Contestant, League
         origin: name.into(),
         detail: e.to_string(),
     })?;
-    let name = std::path::Path::new(name)
-        .file_stem()
-        .map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let name = std::path::Path::new(name).file_stem().map_or_else(
+        || name.to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    );
     Ok(Contestant { name, law })
 }

@@ -44,8 +44,13 @@ impl Group {
     /// The groups of a league: sums of several classes first.
     pub fn of(spec: &Spec) -> Vec<Self> {
         let sums = [Self::All, Self::Torque, Self::Firm];
-        let several =
-            |group: &Self| spec.classes.iter().filter(|class| group.has(**class)).count() > 1;
+        let several = |group: &Self| {
+            spec.classes
+                .iter()
+                .filter(|class| group.has(**class))
+                .count()
+                > 1
+        };
         let classes = spec.classes.iter().map(|class| Self::One(*class));
         sums.into_iter().filter(several).chain(classes).collect()
     }
@@ -103,9 +108,8 @@ fn row(controller: &str, index: usize, group: Group, parts: &[&Part]) -> Row {
         .iter()
         .filter(|part| part.scores.iter().all(|s| !s.metrics.fell))
         .collect();
-    let over_up = |what: fn(&Metrics) -> f64| -> Vec<f64> {
-        up.iter().map(|part| what(&of(part))).collect()
-    };
+    let over_up =
+        |what: fn(&Metrics) -> f64| -> Vec<f64> { up.iter().map(|part| what(&of(part))).collect() };
     let falls = parts.iter().filter(|part| of(part).fell).count() as u64;
     let distance_km: f64 = parts.iter().map(|part| of(part).distance_m / 1000.0).sum();
     let energy: Vec<(f64, f64)> = parts

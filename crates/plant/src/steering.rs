@@ -143,10 +143,15 @@ mod tests {
                 speed_m_s,
                 ..SteeringSenses::default()
             };
-            (0..1000).fold(SteeringOutput::default(), |_, _| motor.step(on, &senses, 1e-3))
+            (0..1000).fold(SteeringOutput::default(), |_, _| {
+                motor.step(on, &senses, 1e-3)
+            })
         };
         let out = settle(true, 3.7, 0.1);
-        assert!((out.torque_nm - 0.8).abs() < 1e-9, "falling right: steers right");
+        assert!(
+            (out.torque_nm - 0.8).abs() < 1e-9,
+            "falling right: steers right"
+        );
         assert!((out.battery_w - 0.64).abs() < 1e-9, "the copper's heat");
         assert!((settle(true, 2.0, -3.0).torque_nm + 7.0).abs() < 1e-9);
         assert!(settle(true, 4.7, 1.0).torque_nm.abs() < 1e-9);

@@ -55,8 +55,16 @@ const BOTTOM: f64 = 366.0;
 
 /// Effort saved against energy, a dot for each controller; the frontier joined by a line.
 pub fn frontier_svg(dots: &[Dot], style: bool) -> String {
-    let energies: Vec<f64> = dots.iter().map(|d| d.energy_wh_per_km).chain([0.0]).collect();
-    let saved: Vec<f64> = dots.iter().map(|d| d.effort_saved_nm).chain([0.0]).collect();
+    let energies: Vec<f64> = dots
+        .iter()
+        .map(|d| d.energy_wh_per_km)
+        .chain([0.0])
+        .collect();
+    let saved: Vec<f64> = dots
+        .iter()
+        .map(|d| d.effort_saved_nm)
+        .chain([0.0])
+        .collect();
     let axis = |values: &[f64], from_px, to_px| {
         let (low, high) = roomy(extent(values).unwrap_or((0.0, 1.0)));
         Axis {
@@ -75,7 +83,10 @@ pub fn frontier_svg(dots: &[Dot], style: bool) -> String {
     if style {
         let _ = write!(svg, "<style>{STYLE}</style>");
     }
-    let _ = write!(svg, "<rect class=\"paper\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/>");
+    let _ = write!(
+        svg,
+        "<rect class=\"paper\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/>"
+    );
     for (value, label) in ticks(x.low, x.high, 8.0) {
         let at = x.at(value);
         let _ = write!(
@@ -109,9 +120,19 @@ pub fn frontier_svg(dots: &[Dot], style: bool) -> String {
     front.sort_by(|a, b| a.energy_wh_per_km.total_cmp(&b.energy_wh_per_km));
     let points: Vec<String> = front
         .iter()
-        .map(|d| format!("{:.1},{:.1}", x.at(d.energy_wh_per_km), y.at(d.effort_saved_nm)))
+        .map(|d| {
+            format!(
+                "{:.1},{:.1}",
+                x.at(d.energy_wh_per_km),
+                y.at(d.effort_saved_nm)
+            )
+        })
         .collect();
-    let _ = write!(svg, "<polyline class=\"s s5\" points=\"{}\"/>", points.join(" "));
+    let _ = write!(
+        svg,
+        "<polyline class=\"s s5\" points=\"{}\"/>",
+        points.join(" ")
+    );
     // Labels from the top down, each at least a line below the one before.
     let mut order: Vec<&Dot> = dots.iter().collect();
     order.sort_by(|a, b| b.effort_saved_nm.total_cmp(&a.effort_saved_nm));
@@ -169,7 +190,12 @@ pub fn league_page(content: &LeaguePage) -> String {
         .columns
         .iter()
         .enumerate()
-        .map(|(i, name)| (name.as_str(), if i < 2 { Cells::Text } else { Cells::Number }))
+        .map(|(i, name)| {
+            (
+                name.as_str(),
+                if i < 2 { Cells::Text } else { Cells::Number },
+            )
+        })
         .collect();
     page.table(&columns, &content.rows);
     for note in &content.notes {
@@ -219,7 +245,9 @@ mod tests {
                 dot("<mine>", 10.0, 0.4, true),
                 dot("dear", 20.0, 0.4, false),
             ],
-            columns: ["controller", "riders", "falls"].map(str::to_owned).to_vec(),
+            columns: ["controller", "riders", "falls"]
+                .map(str::to_owned)
+                .to_vec(),
             rows: vec![["off", "older", "3"].map(str::to_owned).to_vec()],
             counts: [10, 1, 2],
             ..LeaguePage::default()
@@ -228,7 +256,10 @@ mod tests {
         assert!(html.contains("&lt;mine&gt;") && html.contains("1 are worse"));
         let body = html.split_once('\n').map_or("", |p| p.1);
         assert!(roxmltree::Document::parse(body).is_ok());
-        assert_eq!(frontier_svg(&content.dots, true).matches("<circle").count(), 3);
+        assert_eq!(
+            frontier_svg(&content.dots, true).matches("<circle").count(),
+            3
+        );
         // Nothing that cannot be drawn.
         assert!(!frontier_svg(&[], true).contains("NaN"));
     }

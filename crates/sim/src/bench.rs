@@ -129,7 +129,13 @@ impl<'a> Bench<'a> {
     }
 
     /// What the controller is told at `now`.
-    pub(crate) fn frame(&mut self, now: Instant, tick: u64, state: RideState, truth: &Truth) -> PlantFrame {
+    pub(crate) fn frame(
+        &mut self,
+        now: Instant,
+        tick: u64,
+        state: RideState,
+        truth: &Truth,
+    ) -> PlantFrame {
         let measurement: Measurement = self
             .sensors
             .sample(now, &SensorTruth::new(truth, &self.power_out));

@@ -27,8 +27,7 @@ pub const RIDERS: &[Shipped] = shipped!("../riders/":
     "bulsink2017_trunk_lean_young", "bulsink2017_trunk_lean_older",
 );
 /// Laws that ship.
-pub const LAWS: &[Shipped] =
-    shipped!("../../control/laws/": "off", "constant", "constant_80_nm", "scheduled", "scheduled_20_nm", "scheduled_low_energy",
+pub const LAWS: &[Shipped] = shipped!("../../control/laws/": "off", "constant", "constant_80_nm", "scheduled", "scheduled_20_nm", "scheduled_low_energy",
         "roll_steer_feedback", "steering_spring", "steering_motor");
 /// Scenarios that ship.
 pub const SCENARIOS: &[Shipped] = shipped!("../scenarios/": "push_7ms_off", "push_7ms_pair", "push_7ms_pair_until_20s",

@@ -59,9 +59,7 @@ impl Stepper {
             return None;
         }
         let now = Instant::from_nanos(self.tick * TICK.as_nanos());
-        let frame = self
-            .bench
-            .frame(now, self.tick, RideState::Running, &truth);
+        let frame = self.bench.frame(now, self.tick, RideState::Running, &truth);
         let law = self.law;
         let mut asked = |last: &Demand, x: &Estimate, dt_s: f32| match pair_nm {
             Some(pair_nm) => Demand {

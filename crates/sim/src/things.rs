@@ -167,7 +167,8 @@ mod tests {
     fn everything_that_ships_can_be_written() {
         for kind in KINDS {
             for name in names(kind).expect(kind) {
-                let text = super::toml(kind, &name, &[]).unwrap_or_else(|e| panic!("{kind} {name}: {e}"));
+                let text =
+                    super::toml(kind, &name, &[]).unwrap_or_else(|e| panic!("{kind} {name}: {e}"));
                 assert!(text.parse::<toml::Table>().is_ok(), "{kind} {name}");
             }
         }

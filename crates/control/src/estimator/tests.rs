@@ -81,15 +81,7 @@ fn balanced(speed_m_s: f64) -> impl Fn(f64, f64) -> f64 {
 
 #[test]
 fn a_coordinated_turn_is_seen_although_the_accelerometer_feels_nothing() {
-    let (worst_rad, x) = ride(
-        &mut fresh(),
-        60.0,
-        5.0,
-        6.0,
-        slalom,
-        balanced(6.0),
-        |_| {},
-    );
+    let (worst_rad, x) = ride(&mut fresh(), 60.0, 5.0, 6.0, slalom, balanced(6.0), |_| {});
     assert!(worst_rad < 0.01, "{worst_rad} rad");
     assert!((x.speed_m_s - 6.0).abs() < 1e-3 && x.speed_sd_m_s < 0.06);
     // A steady turn of a minute: the gyro alone would keep it, a plumb line would not.
@@ -120,7 +112,11 @@ fn a_bicycle_that_lies_is_seen_to_lie_while_its_wheels_turn() {
     for end_s in [3.5, 10.0, 30.0] {
         let (_, x) = ride(&mut estimator, end_s, 0.0, 5.0, fall, |_, _| 0.0, |_| {});
         // Gravity alone cannot tell 80 degrees from 100.
-        assert!((1.1..2.05).contains(&x.roll_rad), "{} rad after {end_s} s", x.roll_rad);
+        assert!(
+            (1.1..2.05).contains(&x.roll_rad),
+            "{} rad after {end_s} s",
+            x.roll_rad
+        );
         estimator = fresh();
     }
 }
@@ -158,29 +154,13 @@ fn measured_roll_wins_over_a_lying_accelerometer_and_works_alone() {
         stamp(meas);
         meas.imu.accel_m_s2[1] += 2.0;
     };
-    let (worst_rad, _) = ride(
-        &mut fresh(),
-        20.0,
-        1.0,
-        6.0,
-        slalom,
-        balanced(6.0),
-        lying,
-    );
+    let (worst_rad, _) = ride(&mut fresh(), 20.0, 1.0, 6.0, slalom, balanced(6.0), lying);
     assert!(worst_rad < 0.01, "{worst_rad} rad");
     let alone = |meas: &mut Measurement| {
         stamp(meas);
         meas.imu.stamp_ns = NEVER_NS;
     };
-    let (worst_rad, x) = ride(
-        &mut fresh(),
-        20.0,
-        1.0,
-        6.0,
-        slalom,
-        balanced(6.0),
-        alone,
-    );
+    let (worst_rad, x) = ride(&mut fresh(), 20.0, 1.0, 6.0, slalom, balanced(6.0), alone);
     assert!(worst_rad < 0.005, "{worst_rad} rad");
     let rate = 0.3 * core::f64::consts::TAU * 0.2 * libm::cos(core::f64::consts::TAU * 4.0);
     assert!(

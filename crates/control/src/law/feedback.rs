@@ -41,9 +41,15 @@ impl Mechanism for RollSteerFeedback {
     fn check(&self, profile: Profile) -> Result<(), ConfigError> {
         for (key, gain) in [
             ("law.roll_steer_feedback.roll_nm_rad", self.roll_nm_rad),
-            ("law.roll_steer_feedback.roll_rate_nms_rad", self.roll_rate_nms_rad),
+            (
+                "law.roll_steer_feedback.roll_rate_nms_rad",
+                self.roll_rate_nms_rad,
+            ),
             ("law.roll_steer_feedback.steer_nm_rad", self.steer_nm_rad),
-            ("law.roll_steer_feedback.steer_rate_nms_rad", self.steer_rate_nms_rad),
+            (
+                "law.roll_steer_feedback.steer_rate_nms_rad",
+                self.steer_rate_nms_rad,
+            ),
         ] {
             in_range(key, gain, -1e4, 1e4)?;
         }

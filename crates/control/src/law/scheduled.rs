@@ -109,8 +109,18 @@ pub struct Activity {
 
 impl Activity {
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("law.scheduled.activity.quiet_ratio", self.quiet_ratio, 0.0, 1.0)?;
-        in_range("law.scheduled.activity.calm_rad_s", self.calm_rad_s, 0.0, 3.0)?;
+        in_range(
+            "law.scheduled.activity.quiet_ratio",
+            self.quiet_ratio,
+            0.0,
+            1.0,
+        )?;
+        in_range(
+            "law.scheduled.activity.calm_rad_s",
+            self.calm_rad_s,
+            0.0,
+            3.0,
+        )?;
         in_range(
             "law.scheduled.activity.busy_rad_s",
             self.busy_rad_s,
@@ -126,8 +136,16 @@ impl Activity {
         let share = (dt_s / self.memory_s).at_most(1.0);
         let mean = last.activity_rad2_s2 + share * (now - last.activity_rad2_s2);
         // A rate that is no number says nothing.
-        let mean = if mean.is_finite() { mean } else { last.activity_rad2_s2 };
-        let edge_rad_s = if last.busy { self.calm_rad_s } else { self.busy_rad_s };
+        let mean = if mean.is_finite() {
+            mean
+        } else {
+            last.activity_rad2_s2
+        };
+        let edge_rad_s = if last.busy {
+            self.calm_rad_s
+        } else {
+            self.busy_rad_s
+        };
         (mean, mean > edge_rad_s * edge_rad_s)
     }
 }

@@ -60,7 +60,12 @@ impl Mechanism for SteeringMotor {
             100.0,
         )?;
         in_range("law.steering_motor.speed_m_s", self.speed_m_s, 0.0, 20.0)?;
-        in_range("law.steering_motor.torque_max_nm", self.torque_max_nm, 0.0, 20.0)
+        in_range(
+            "law.steering_motor.torque_max_nm",
+            self.torque_max_nm,
+            0.0,
+            20.0,
+        )
     }
     fn device(&self) -> Device {
         Device::Motor {

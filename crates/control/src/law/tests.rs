@@ -92,9 +92,15 @@ fn a_quiet_ride_gets_less_and_the_level_does_not_flutter() {
         demand.pair_nm / full_nm
     };
     assert!((ride(&mut demand, 0.0) - 0.5).abs() < 1e-3);
-    assert!((ride(&mut demand, 0.2) - 0.5).abs() < 1e-3, "between the edges it stays quiet");
+    assert!(
+        (ride(&mut demand, 0.2) - 0.5).abs() < 1e-3,
+        "between the edges it stays quiet"
+    );
     assert!((ride(&mut demand, 0.4) - 1.0).abs() < 1e-3);
-    assert!((ride(&mut demand, 0.2) - 1.0).abs() < 1e-3, "between the edges it stays busy");
+    assert!(
+        (ride(&mut demand, 0.2) - 1.0).abs() < 1e-3,
+        "between the edges it stays busy"
+    );
     assert!((ride(&mut demand, 0.05) - 0.5).abs() < 1e-3);
     let _ = ride(&mut demand, f32::NAN);
     assert!(demand.pair_nm.is_finite() && demand.activity_rad2_s2.is_finite());

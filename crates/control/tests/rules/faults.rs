@@ -336,7 +336,11 @@ fn a_fork_near_the_end_of_its_life_carries_less() {
     ride.controller = ride.controller.on_fork(fork);
     ride.go(6_000, |_, _| {});
     // Half of the 40 Nm: the upper half of the life takes them all.
-    assert!((ride.front_nm() - 20.0).abs() < 0.02, "{} Nm", ride.front_nm());
+    assert!(
+        (ride.front_nm() - 20.0).abs() < 0.02,
+        "{} Nm",
+        ride.front_nm()
+    );
     assert!(limited(&ride, LimitedBy::FORK) && ride.mode() == Mode::Active);
     assert!(ride.controller.fork().used() >= fork.used());
 }

@@ -38,7 +38,10 @@ impl Dice {
 #[test]
 fn a_million_calls_break_no_promise() {
     let asked = std::env::var("TWINHUB_GUARD_CALLS").ok();
-    let calls: u64 = asked.and_then(|text| text.parse().ok()).unwrap_or(1_000_000) / 2;
+    let calls: u64 = asked
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(1_000_000)
+        / 2;
     for (profile, seed) in [(Profile::Laboratory, 1), (Profile::En15194, 2)] {
         let mut config = config("constant");
         config.profile = profile;

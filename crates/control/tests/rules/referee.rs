@@ -106,8 +106,14 @@ impl Referee {
         }
         let turning = |m_s: f64| m_s * m_s * TURNING_NM_PER_M2_S2 as f64 + eps_nm;
         if wheels {
-            rule(front_nm <= turning(front_m_s.max(0.0)), "a slow wheel goes on turning (front)")?;
-            rule(-rear_nm <= turning(rear_m_s.max(0.0)), "a slow wheel goes on turning (rear)")?;
+            rule(
+                front_nm <= turning(front_m_s.max(0.0)),
+                "a slow wheel goes on turning (front)",
+            )?;
+            rule(
+                -rear_nm <= turning(rear_m_s.max(0.0)),
+                "a slow wheel goes on turning (rear)",
+            )?;
         }
         if wheels && w.speed_m_s as f64 - front_m_s > 0.151 * w.speed_m_s.abs() as f64 + 0.301 {
             rule(

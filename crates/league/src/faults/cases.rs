@@ -87,9 +87,23 @@ pub fn cases() -> Vec<Case> {
         };
         let by_wheels_s = doubted_s.filter(|_| wheel);
         sensor(target, name, FaultKind::Stuck {}, "stuck", suite, None);
-        sensor(target, name, FaultKind::Offset { amount }, "offset", suite, doubted_s);
+        sensor(
+            target,
+            name,
+            FaultKind::Offset { amount },
+            "offset",
+            suite,
+            doubted_s,
+        );
         sensor(target, name, spike, "spiked", suite, by_wheels_s);
-        sensor(target, name, FaultKind::SignSwap {}, "sign_swap", suite, by_wheels_s);
+        sensor(
+            target,
+            name,
+            FaultKind::SignSwap {},
+            "sign_swap",
+            suite,
+            by_wheels_s,
+        );
         sensor(target, name, FaultKind::Nan {}, "nan", suite, missed_s);
     }
     for (target, name, patience_s, suite) in sensors {
@@ -102,8 +116,16 @@ pub fn cases() -> Vec<Case> {
     }
     for channel in [Channel::ToController, Channel::ToPlant] {
         let kinds = [
-            ("lost 20 %", LinkFaultKind::Dropout { share_ratio: 0.2 }, None),
-            ("lost", LinkFaultKind::Dropout { share_ratio: 1.0 }, Some(0.025)),
+            (
+                "lost 20 %",
+                LinkFaultKind::Dropout { share_ratio: 0.2 },
+                None,
+            ),
+            (
+                "lost",
+                LinkFaultKind::Dropout { share_ratio: 1.0 },
+                Some(0.025),
+            ),
             (
                 "late 10 ms",
                 LinkFaultKind::Late {
@@ -122,7 +144,11 @@ pub fn cases() -> Vec<Case> {
             ),
             ("repeated", LinkFaultKind::Repeat { share_ratio: 0.2 }, None),
             // Nobody can tell a flipped bit of a plausible number; what lies beyond is missed.
-            ("corrupted", LinkFaultKind::Corrupt { share_ratio: 0.2 }, Some(0.1)),
+            (
+                "corrupted",
+                LinkFaultKind::Corrupt { share_ratio: 0.2 },
+                Some(0.1),
+            ),
             ("stuck", LinkFaultKind::Stuck {}, Some(0.025)),
         ];
         for (word, kind, stated_s) in kinds {
@@ -154,8 +180,19 @@ mod tests {
     #[test]
     fn every_sensor_and_both_ways_of_the_link_break_in_every_way() {
         let cases = cases();
-        for word in ["stuck", "offset", "spiked", "nan", "sign_swap", "late", "gone"] {
-            assert!(cases.iter().filter(|c| c.name.ends_with(word)).count() >= 5, "{word}");
+        for word in [
+            "stuck",
+            "offset",
+            "spiked",
+            "nan",
+            "sign_swap",
+            "late",
+            "gone",
+        ] {
+            assert!(
+                cases.iter().filter(|c| c.name.ends_with(word)).count() >= 5,
+                "{word}"
+            );
         }
         for word in ["lost", "late 10 ms", "repeated", "corrupted"] {
             for way in ["to_controller", "to_plant"] {

@@ -93,19 +93,19 @@ pub(super) fn finding(case: &Case, rides: &[Seen], healthy: &[Seen], never: usiz
         let until = mine.len().min(theirs.len());
         for tick in onset..until {
             pair_more_nm = pair_more_nm.max(mine[tick] - theirs[tick]);
-            let lost_nm_s = (mine[tick - WITHDRAWN_TICKS] - mine[tick]) / (1e-3 * WITHDRAWN_TICKS as f32);
+            let lost_nm_s =
+                (mine[tick - WITHDRAWN_TICKS] - mine[tick]) / (1e-3 * WITHDRAWN_TICKS as f32);
             withdrawn_nm_s = withdrawn_nm_s.max(lost_nm_s);
         }
     }
     let falls = rides.iter().filter(|r| r.fell).count();
     let falls_healthy = healthy.iter().filter(|r| r.fell).count();
     let detected_s = times.iter().copied().reduce(f64::max);
-    let in_time = case.stated_s.is_some_and(|stated_s| {
-        times.len() == rides.len() && times.iter().all(|t| *t <= stated_s)
-    });
-    let harmless = falls <= falls_healthy
-        && pair_more_nm <= HARMLESS_NM
-        && withdrawn_nm_s <= WITHDRAWN_NM_S;
+    let in_time = case
+        .stated_s
+        .is_some_and(|stated_s| times.len() == rides.len() && times.iter().all(|t| *t <= stated_s));
+    let harmless =
+        falls <= falls_healthy && pair_more_nm <= HARMLESS_NM && withdrawn_nm_s <= WITHDRAWN_NM_S;
     let raised = Health::from_bits(bits);
     Finding {
         fault: case.name.clone(),
