@@ -13,6 +13,7 @@ use twinhub_design::certificate::{Certificate, Entry, Plan};
 use twinhub_design::family::FactorBox;
 use twinhub_design::loops::Rider;
 use twinhub_design::plan::{Progress, run as design};
+use twinhub_design::program::Cones;
 use twinhub_design::{DesignError, check, law};
 use twinhub_plant::bicycles::load_multibody;
 use twinhub_plant::multibody::Parameters;
@@ -81,6 +82,10 @@ pub struct DesignArgs {
     /// quicker)
     #[arg(long)]
     free_joints: bool,
+    /// What matrices are held positive by: dominant (second-order cones), or semidefinite in a build with
+    /// the feature `sdp`
+    #[arg(long, value_name = "CONES", default_value = "dominant")]
+    cones: String,
     /// Where to write the law file; the proof goes beside it, as .certificate.json
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
@@ -207,9 +212,21 @@ fn plan(args: &DesignArgs) -> anyhow::Result<Plan> {
         slope_nm_per_m_s: args.slope,
         loss_growth_per_s: args.loss_growth_per_s,
         friction_ratio: args.friction,
+        cones: cones(&args.cones)?,
     };
     plan.check()?;
+    plan.cones.check()?;
     Ok(plan)
+}
+
+fn cones(text: &str) -> anyhow::Result<Cones> {
+    match text {
+        "dominant" => Ok(Cones::Dominant),
+        "semidefinite" => Ok(Cones::Semidefinite),
+        _ => Err(anyhow!(
+            "--cones `{text}`; accepted: dominant, semidefinite"
+        )),
+    }
 }
 
 fn parts(text: &str) -> anyhow::Result<[usize; 3]> {

@@ -3,6 +3,7 @@
 use crate::DesignError;
 use crate::family::FactorBox;
 use crate::loops::{Gains, Rider};
+use crate::program::Cones;
 use crate::symmetric::full;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,9 @@ pub struct Plan {
     pub loss_growth_per_s: f64,
     /// Least friction that has to carry four fifths of the pair.
     pub friction_ratio: f64,
+    /// What the search holds matrices positive by; a check does not ask.
+    #[serde(default)]
+    pub cones: Cones,
 }
 
 /// One rider of the set.

@@ -16,6 +16,7 @@ pub mod loops;
 pub mod march;
 pub mod oracle;
 pub mod plan;
+pub mod program;
 pub mod proof;
 pub mod schedule;
 pub mod start;

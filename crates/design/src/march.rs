@@ -8,6 +8,7 @@ use crate::cone::{Climbed, climb_until};
 use crate::family::{FactorBox, Family};
 use crate::gains::gains;
 use crate::loops::{Loop, worst_growth_per_s};
+use crate::program::Cones;
 use crate::proof::{At, Bicycles, Cell};
 use crate::start::from_scratch;
 use crate::symmetric::upper;
@@ -91,7 +92,7 @@ pub fn march(
         let p = match known {
             Some(known) => known.matrix(),
             None if over || worst_growth_per_s(&wider) >= 0.0 => None,
-            None => search(&wider, &at, above.as_ref(), last.is_none())?,
+            None => search(plan.cones, &wider, &at, above.as_ref(), last.is_none())?,
         };
         over |= p.is_none();
         if let (Some(p), Some(above)) = (&p, &above) {
@@ -139,17 +140,18 @@ impl Above<'_> {
 /// A Lyapunov matrix for a node: near that of the node above, else from nothing at the `first` node and
 /// where one was close.
 fn search(
+    cones: Cones,
     wider: &[Loop],
     at: &At,
     above: Option<&Above<'_>>,
     first: bool,
 ) -> Result<Option<DMatrix<f64>>, DesignError> {
     let (p, close) = match above {
-        Some(above) => near(wider, at, above)?,
+        Some(above) => near(cones, wider, at, above)?,
         None => (None, first),
     };
     Ok(match p {
-        None if close => lyapunov_matrix(wider),
+        None if close => lyapunov_matrix(cones, wider),
         p => p,
     })
 }
@@ -157,6 +159,7 @@ fn search(
 /// A Lyapunov matrix near that of the node above: one that proves the cell between them, if the climb
 /// comes by one; else the best for the node alone. And where there is none: was one close?
 fn near(
+    cones: Cones,
     wider: &[Loop],
     at: &At,
     above: &Above<'_>,
@@ -164,18 +167,25 @@ fn near(
     let mut best: Option<Climbed> = None;
     for reach in REACHES {
         let mut proving: Option<DMatrix<f64>> = None;
-        let climbed = climb_until(wider, above.p, GOAL_PER_S, reach, &mut |p, margin| {
-            if margin <= 0.0 {
-                return false;
-            }
-            if above.proves(at, p) {
-                proving = Some(p.clone());
-                margin >= RESERVE_PER_S
-            } else {
-                // Too far from the node above: further away it is no better.
-                proving.is_some()
-            }
-        })?;
+        let climbed = climb_until(
+            cones,
+            wider,
+            above.p,
+            GOAL_PER_S,
+            reach,
+            &mut |p, margin| {
+                if margin <= 0.0 {
+                    return false;
+                }
+                if above.proves(at, p) {
+                    proving = Some(p.clone());
+                    margin >= RESERVE_PER_S
+                } else {
+                    // Too far from the node above: further away it is no better.
+                    proving.is_some()
+                }
+            },
+        )?;
         if proving.is_some() {
             return Ok((proving, true));
         }
@@ -191,8 +201,8 @@ fn near(
 }
 
 /// One Lyapunov matrix for these loops, from nothing.
-pub fn lyapunov_matrix(closed: &[Loop]) -> Option<DMatrix<f64>> {
-    from_scratch(closed, GOAL_PER_S)
+pub fn lyapunov_matrix(cones: Cones, closed: &[Loop]) -> Option<DMatrix<f64>> {
+    from_scratch(cones, closed, GOAL_PER_S)
         .ok()
         .filter(|c| c.margin_per_s > 0.0)
         .map(|c| c.p)

@@ -92,6 +92,7 @@ pub fn run(
     watch: &(dyn Fn(Progress) -> bool + Sync),
 ) -> Result<Certificate, DesignError> {
     plan.check()?;
+    plan.cones.check()?;
     let family = family(plan, parameters);
     let speeds = &plan.speeds_m_s;
     let mut caps = loss_caps(plan, &family, watch)?;

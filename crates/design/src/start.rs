@@ -14,6 +14,7 @@
 use crate::DesignError;
 use crate::cone::{Climbed, cholesky, climb};
 use crate::loops::Loop;
+use crate::program::Cones;
 use nalgebra::{DMatrix, DVector};
 
 /// Climbs from nothing: first one matrix for the mean of the loops, then for loops that spread from
@@ -21,7 +22,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// # Errors
 /// If the mean loop is not stable, or the solver refuses a program.
-pub fn from_scratch(loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignError> {
+pub fn from_scratch(cones: Cones, loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignError> {
     let share = 1.0 / loops.len() as f64;
     let nothing = Loop {
         a: &loops[0].a * 0.0,
@@ -38,7 +39,13 @@ pub fn from_scratch(loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignEr
         b: &from.b + (&to.b - &from.b) * share,
         c: &from.c + (&to.c - &from.c) * share,
     };
-    let mut p = climb(core::slice::from_ref(&mean), &lyapunov(&mean)?, goal_per_s)?.p;
+    let mut p = climb(
+        cones,
+        core::slice::from_ref(&mean),
+        &lyapunov(&mean)?,
+        goal_per_s,
+    )?
+    .p;
     let mut spread = 0.0;
     let mut stride: f64 = 0.1;
     loop {
@@ -49,7 +56,7 @@ pub fn from_scratch(loops: &[Loop], goal_per_s: f64) -> Result<Climbed, DesignEr
         } else {
             goal_per_s
         };
-        let found = climb(&there, &p, goal_per_s)?;
+        let found = climb(cones, &there, &p, goal_per_s)?;
         if found.margin_per_s <= 0.0 {
             stride *= 0.5;
             if stride < 0.02 {

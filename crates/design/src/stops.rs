@@ -156,7 +156,7 @@ fn at_node(
                 closed.c *= 1e-6;
             }
         }
-        if lyapunov_matrix(&closed).is_some() {
+        if lyapunov_matrix(plan.cones, &closed).is_some() {
             because.push(name.to_owned());
         }
     }

@@ -7,6 +7,7 @@ use twinhub_design::check::check;
 use twinhub_design::family::FactorBox;
 use twinhub_design::loops::Rider;
 use twinhub_design::plan::run;
+use twinhub_design::program::Cones;
 use twinhub_design::{DesignError, law};
 use twinhub_plant::bicycles::load_multibody;
 use twinhub_plant::multibody::Parameters;
@@ -53,6 +54,7 @@ fn plan() -> Plan {
         slope_nm_per_m_s: 30.0,
         loss_growth_per_s: 0.7,
         friction_ratio: 0.6,
+        cones: Cones::Dominant,
     }
 }
 
