@@ -161,6 +161,8 @@ pub struct Answer {
     pub calibration: BTreeMap<String, f64>,
     /// Parameters that stand at the end of their declared tolerance.
     pub out_of_tolerance: Vec<String>,
+    /// Whether tolerances twice as wide as declared explain the rides as well as causes would.
+    pub tolerances_too_small: bool,
     /// Mechanisms that fit best at an end of their range: they stand in for something else, and are
     /// no causes.
     pub refused: Vec<String>,

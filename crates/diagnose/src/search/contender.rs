@@ -118,11 +118,16 @@ impl Sketch {
     }
 }
 
+/// What a mechanism pays for its parameters and for being one name of a library, nats.
+pub fn penalty(mechanism: &dyn Mechanism, blocks: usize, library: usize) -> f64 {
+    let parameters = mechanism.card().parameters.len() as f64;
+    0.5 * parameters * libm::log(10.0 * blocks as f64) + libm::log(library as f64)
+}
+
 /// Whether the fit rides' evidence, penalised for parameters and library, is enough.
 pub fn has_evidence(contender: &Contender, blocks: usize, library: usize) -> bool {
-    let parameters = contender.mechanism.card().parameters.len() as f64;
-    let penalty = 0.5 * parameters * libm::log(10.0 * blocks as f64);
-    contender.fit_nats - penalty > libm::log(library as f64) + THRESHOLDS.evidence_nats
+    let penalty = penalty(contender.mechanism, blocks, library);
+    contender.fit_nats - penalty > THRESHOLDS.evidence_nats
 }
 
 /// Whether a fitted size is still at null.

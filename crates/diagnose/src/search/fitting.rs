@@ -189,6 +189,14 @@ impl Baseline {
         Some(this)
     }
 
+    /// Symbols whose value lies farther from the declared one than `limit` standard deviations.
+    pub fn beyond(&self, limit: f64) -> Vec<String> {
+        let all = self.all.iter().zip(&self.z);
+        all.filter(|(_, z)| z.abs() > limit)
+            .map(|(c, _)| c.symbol.to_owned())
+            .collect()
+    }
+
     /// Gauss-Newton steps on the calibration parameters at fixed levels, `most` of them.
     fn calibrate(&mut self, rides: &Rides, most: usize) -> Option<()> {
         let prior = |z: &[f64]| 0.5 * dot(z, z);

@@ -35,7 +35,7 @@ pub struct Found {
     pub at_end: Vec<&'static str>,
     /// Probes that still explain something at the end, the strongest first.
     pub left: Vec<Left>,
-    /// An accepted cause about which rides disagree, with the p-value.
+    /// What rides disagree about, with the p-value: an accepted cause, or without causes a parameter.
     pub disagreement: Option<(&'static str, f64)>,
 }
 
@@ -259,30 +259,40 @@ fn eliminate(
     Some(baseline)
 }
 
-/// The accepted cause about which rides disagree most, if they do: judged when all causes are in, for
-/// one that is still missing lets rides disagree about the others.
+/// What rides disagree about most, if they do: an accepted cause, or where there is none a parameter of
+/// the bicycle. Judged when all causes are in, for one that is still missing lets rides disagree about
+/// the others.
 fn disagreement(
     rides: &Rides,
     baseline: &Baseline,
     accepted: &[Accepted],
 ) -> Option<(&'static str, f64)> {
     let count = rides.0.len();
-    if accepted.is_empty() || count < 2 {
+    if count < 2 {
         return None;
     }
     let bench = Bench::new(rides, baseline)?;
-    let of = |index: usize| {
-        let column = active_columns(rides, baseline, &bench.passes, index)
-            .into_iter()
-            .next()?;
-        disagreement_p(&bench, &column, count)
+    let mut found: Vec<(&'static str, f64)> = vec![];
+    if accepted.is_empty() {
+        let parameters = &baseline.columns.list;
+        // The smallest of so many p-values.
+        let tests = parameters.len() as f64;
+        found.extend(parameters.iter().filter_map(|(index, column)| {
+            let p = disagreement_p(&bench, column, count)?;
+            Some((baseline.all[*index].symbol, (p * tests).min(1.0)))
+        }));
+    }
+    found.extend(accepted.iter().enumerate().filter_map(|(index, cause)| {
+        let columns = active_columns(rides, baseline, &bench.passes, index);
+        let p = disagreement_p(&bench, columns.first()?, count)?;
+        Some((cause.mechanism.card().name, p))
+    }));
+    let worst = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let least = match accepted.is_empty() {
+        true => THRESHOLDS.one_bicycle_p_value,
+        false => THRESHOLDS.agreement_p_value,
     };
-    accepted
-        .iter()
-        .enumerate()
-        .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
-        .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
-        .min_by(|a, b| a.1.total_cmp(&b.1))
+    worst.filter(|(_, p)| *p < least)
 }
 
 /// p-value of the hypothesis that all rides want the same size of the effect in `column`.

@@ -55,6 +55,9 @@ pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
             .detection_limits
             .entry(card.name.to_owned())
             .or_default()
-            .insert(card.parameters[0].name.to_owned(), limit(score, ratio, clock_s));
+            .insert(
+                card.parameters[0].name.to_owned(),
+                limit(score, ratio, clock_s),
+            );
     }
 }

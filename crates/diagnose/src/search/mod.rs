@@ -26,6 +26,7 @@ mod testable;
 pub mod thresholds;
 mod tolerance;
 mod verdict;
+mod wide;
 mod words;
 
 pub use answer::{Answer, Verdict};

@@ -13,7 +13,7 @@ use super::testable::obstacle;
 use super::thresholds::{self, THRESHOLDS};
 use super::tolerance;
 use super::verdict::{disagree, judge, withdraw};
-use super::{gain, words};
+use super::{gain, wide, words};
 use crate::data::{DataError, DataFolders, RideData, read_ride};
 use crate::engine::{FreeNoise, Refusal, Ride};
 use crate::study::{Place, Study, Use};
@@ -133,6 +133,7 @@ pub(super) fn empty(study: &Study, verdict: Verdict) -> Answer {
         candidates: vec![],
         calibration: BTreeMap::new(),
         out_of_tolerance: vec![],
+        tolerances_too_small: false,
         refused: vec![],
         unpredicted: vec![],
         faults: vec![],
@@ -237,10 +238,10 @@ pub fn diagnose_data(
             .calibration
             .insert(c.symbol.to_owned(), c.value + z * c.sd);
         if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
-            answer.out_of_tolerance.push(c.symbol.to_owned());
             testable.push(tolerance::candidate(c));
         }
     }
+    answer.out_of_tolerance = baseline.beyond(THRESHOLDS.calibration_box_sd - 1e-3);
     answer.faults = faults::dead_inputs(&fit, &baseline);
     if !answer.faults.is_empty() {
         answer.verdict = Verdict::BadData;
@@ -253,7 +254,14 @@ pub fn diagnose_data(
         free: &free,
     };
     let calibrated_model = baseline.model.clone();
-    let found = search(&material, baseline, &testable, progress).ok_or_else(not_finite)?;
+    let mut found =
+        search(&material, baseline.clone(), &testable, progress).ok_or_else(not_finite)?;
+    if let Some(wide) = wide::rival(&material, &baseline, &found, testable.len(), progress) {
+        testable.retain(|m| !tolerance::is_candidate(*m));
+        answer.out_of_tolerance = wide.beyond(THRESHOLDS.calibration_box_sd / wide::FACTOR);
+        answer.tolerances_too_small = true;
+        found = search(&material, wide, &testable, progress).ok_or_else(not_finite)?;
+    }
     fill(&mut answer, &found, &held);
     limits::fill(&mut answer, &found, &fit, &held);
     judge(&mut answer, &found, !held.0.is_empty());

@@ -39,6 +39,7 @@ pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
     let unknown = !answer.places.is_empty();
     answer.verdict = match answer.causes.len() {
         0 if unknown => Verdict::Unknown,
+        0 if answer.tolerances_too_small => Verdict::Tolerance,
         0 => Verdict::NoEffect,
         _ if decided
             && answer
@@ -135,7 +136,7 @@ pub fn disagree(answer: &mut Answer, name: &str, p: f64) {
     let otherwise_sound = answer.unpredicted.is_empty()
         && matches!(
             answer.verdict,
-            Verdict::Cause | Verdict::Causes | Verdict::Tolerance
+            Verdict::NoEffect | Verdict::Cause | Verdict::Causes | Verdict::Tolerance
         );
     let meaning = if otherwise_sound {
         answer.places.retain(|p| p.with.as_deref() == Some(name));

@@ -13,6 +13,10 @@ pub fn statements(answer: &Answer) -> Vec<String> {
         Verdict::Causes => format!("{} causes, confirmed on held-out rides", answer.causes.len()),
         Verdict::Partial => "part of what the model gets wrong has a provisional name; the rest, or the proof, is missing".to_owned(),
         Verdict::Unknown => "something is missing in the model that no mechanism of the library explains".to_owned(),
+        Verdict::Tolerance if answer.tolerances_too_small => format!(
+            "the declared tolerances are too small: with twice as much, parameters alone explain the rides; beyond what was declared lie {}",
+            answer.out_of_tolerance.join(", ")
+        ),
         Verdict::Tolerance => format!(
             "parameters beyond their declared tolerance: {}",
             answer.out_of_tolerance.join(", ")
