@@ -21,6 +21,13 @@ pub struct Material<'a> {
     pub free: &'a FreeNoise,
 }
 
+impl Material<'_> {
+    /// Shortest delay that the clocks of all rides can tell, s.
+    pub fn clock_s(&self) -> f64 {
+        self.fit.clock_s().max(self.held.clock_s())
+    }
+}
+
 /// What the score test says of one mechanism.
 pub struct Tested {
     pub mechanism: &'static dyn Mechanism,

@@ -33,6 +33,8 @@ pub struct Found {
     pub contenders: Vec<(String, f64, Gain)>,
     /// Mechanisms whose fit ended at an end of their range: refused.
     pub at_end: Vec<&'static str>,
+    /// Delays that were refused because the clocks cannot tell them.
+    pub within_clock: Vec<&'static str>,
     /// Probes that still explain something at the end, the strongest first.
     pub left: Vec<Left>,
     /// What rides disagree about, with the p-value: an accepted cause, or without causes a parameter.
@@ -94,12 +96,13 @@ pub fn search(
     progress: &mut dyn FnMut(&str),
 ) -> Option<Found> {
     let decide = !material.held.0.is_empty();
-    let clock_s = material.fit.clock_s().max(material.held.clock_s());
+    let clock_s = material.clock_s();
     let mut baseline = start;
     let mut accepted: Vec<Accepted> = vec![];
     let mut first = None;
     let mut contenders = vec![];
     let mut at_end = vec![];
+    let mut within_clock = vec![];
     let mut last: Option<Refit> = None;
     for round in 0..=THRESHOLDS.most_causes {
         progress(&format!("tests, round {}", round + 1));
@@ -169,6 +172,9 @@ pub fn search(
                 if is_at_end(c) && !at_end.contains(&name) {
                     at_end.push(name);
                 }
+                if is_within_clock(c, clock_s) && !within_clock.contains(&name) {
+                    within_clock.push(name);
+                }
             }
             if let Some(best) = pick(&list, fits) {
                 let set = confusion(&list, best, &tested);
@@ -208,6 +214,7 @@ pub fn search(
         first: first.unwrap_or_default(),
         contenders,
         at_end,
+        within_clock,
         left,
         disagreement,
         baseline,
@@ -272,27 +279,33 @@ fn disagreement(
         return None;
     }
     let bench = Bench::new(rides, baseline)?;
-    let mut found: Vec<(&'static str, f64)> = vec![];
     if accepted.is_empty() {
-        let parameters = &baseline.columns.list;
-        // The smallest of so many p-values.
-        let tests = parameters.len() as f64;
-        found.extend(parameters.iter().filter_map(|(index, column)| {
-            let p = disagreement_p(&bench, column, count)?;
-            Some((baseline.all[*index].symbol, (p * tests).min(1.0)))
-        }));
+        return two_bicycles(&bench, count);
     }
-    found.extend(accepted.iter().enumerate().filter_map(|(index, cause)| {
+    let of = |index: usize| {
         let columns = active_columns(rides, baseline, &bench.passes, index);
-        let p = disagreement_p(&bench, columns.first()?, count)?;
-        Some((cause.mechanism.card().name, p))
-    }));
-    let worst = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let least = match accepted.is_empty() {
-        true => THRESHOLDS.one_bicycle_p_value,
-        false => THRESHOLDS.agreement_p_value,
+        disagreement_p(&bench, columns.first()?, count)
     };
-    worst.filter(|(_, p)| *p < least)
+    accepted
+        .iter()
+        .enumerate()
+        .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
+        .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The parameter about which rides disagree most, where they disagree about most parameters: one alone
+/// can stand in for what changes from ride to ride, such as a sensor's offset.
+fn two_bicycles(bench: &Bench<'_>, count: usize) -> Option<(&'static str, f64)> {
+    let baseline = bench.baseline;
+    let of = |(index, column): &(usize, Vec<f64>)| {
+        let p = disagreement_p(bench, column, count)?;
+        Some((baseline.all[*index].symbol, p))
+    };
+    let mut found: Vec<_> = baseline.columns.list.iter().filter_map(of).collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let median = found.get(found.len() / 2)?.1;
+    (median < THRESHOLDS.one_bicycle_p_value).then(|| found[0])
 }
 
 /// p-value of the hypothesis that all rides want the same size of the effect in `column`.

@@ -4,6 +4,7 @@
 //! `limit_z`, with the width that the blocks say. Of a gain it is the deviation from 1.
 
 use super::answer::Answer;
+use super::contender::Material;
 use super::greedy::Found;
 use super::rides::Rides;
 use super::score::Score;
@@ -43,9 +44,9 @@ pub fn limit(score: &Score, ratio: f64, clock_s: f64) -> f64 {
 }
 
 /// Fills the detection limits.
-pub fn fill(answer: &mut Answer, found: &Found, fit: &Rides, held: &Rides) {
-    let ratio = duration_s(held) / duration_s(fit).max(1e-9);
-    let clock_s = fit.clock_s().max(held.clock_s());
+pub fn fill(answer: &mut Answer, found: &Found, material: &Material<'_>) {
+    let ratio = duration_s(material.held) / duration_s(material.fit).max(1e-9);
+    let clock_s = material.clock_s();
     for score in found.first.iter().filter_map(|t| t.score.as_ref()) {
         let card = score.mechanism.card();
         if super::tolerance::is_candidate(score.mechanism) {

@@ -8,7 +8,9 @@ use super::greedy::{Found, search};
 use super::latent;
 use super::levels::start;
 use super::limits;
+use super::refit::refit;
 use super::rides::prepare;
+use super::screen::is_strained;
 use super::testable::obstacle;
 use super::thresholds::{self, THRESHOLDS};
 use super::tolerance;
@@ -231,8 +233,14 @@ pub fn diagnose_data(
         study: name.clone(),
     };
     let parameters = calibrated(study, bicycle);
-    let baseline =
+    let mut baseline =
         Baseline::fit(&fit, &free, nominal, parameters, progress).ok_or_else(not_finite)?;
+    // As far as every contender will be fitted: else its gain is that of more steps. A calibration that is
+    // pulled away by something it lacks is not to follow it farther.
+    if !is_strained(&baseline) {
+        let settled = refit(&fit, &free, baseline).ok_or_else(not_finite)?;
+        baseline = settled.baseline;
+    }
     for (c, z) in baseline.all.iter().zip(&baseline.z) {
         answer
             .calibration
@@ -263,8 +271,8 @@ pub fn diagnose_data(
         found = search(&material, wide, &testable, progress).ok_or_else(not_finite)?;
     }
     fill(&mut answer, &found, &held);
-    limits::fill(&mut answer, &found, &fit, &held);
-    judge(&mut answer, &found, !held.0.is_empty());
+    limits::fill(&mut answer, &found, &material);
+    judge(&mut answer, &found, &material);
     progress("gains on held-out rides");
     let nominal = crate::engine::Model {
         bicycle: bicycle.clone(),

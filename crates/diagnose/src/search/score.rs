@@ -234,16 +234,18 @@ impl<'a> Bench<'a> {
         let bicycle = &self.baseline.model.bicycle.parameters;
         let null = mechanism.null(bicycle)[0];
         let unit = mechanism.probes(bicycle)[0][0] - null;
-        // A size on the forbidden side of a bound explains nothing.
-        if k == 1 {
-            let there = null + size[0] * unit;
-            let forbidden =
-                (first.least >= null && there < null) || (first.most <= null && there > null);
-            if forbidden {
-                statistic = 0.0;
-            }
-        }
-        let p_value = ChiSquared::new(k as f64).map_or(1.0, |d| d.sf(statistic));
+        let by_chance = ChiSquared::new(k as f64).map_or(1.0, |d| d.sf(statistic));
+        // A bound at null makes the test one-sided; a size on the forbidden side explains nothing.
+        let there = null + size[0] * unit;
+        let (above, below) = (first.least >= null, first.most <= null);
+        let p_value = if k > 1 || !(above || below) {
+            by_chance
+        } else if (above && there < null) || (below && there > null) {
+            statistic = 0.0;
+            1.0 - 0.5 * by_chance
+        } else {
+            0.5 * by_chance
+        };
         Some(Score {
             mechanism,
             projected,

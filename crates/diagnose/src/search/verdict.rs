@@ -1,12 +1,15 @@
 //! From what the search found to a verdict: what is confirmed, what is taken back, what comes next.
 
 use super::answer::{Answer, ChannelGain, Fault, NextExperiment, Verdict, Where};
+use super::contender::Material;
 use super::greedy::Found;
+use super::score::Score;
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
 
 /// Verdict, confirmations, next experiment.
-pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
+pub fn judge(answer: &mut Answer, found: &Found, material: &Material<'_>) {
+    let decided = !material.held.0.is_empty();
     let dirty: Vec<&str> = found.left.iter().map(|l| l.probe.equation.name()).collect();
     let most_left = found.left.iter().map(|l| l.gain.nats).fold(0.0, f64::max);
     let too_many = found.accepted.len() > THRESHOLDS.most_confirmed;
@@ -82,12 +85,14 @@ pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
 }
 
 /// What the first tests saw beyond doubt, though nothing of it held on rides that were held out: silence
-/// would be wrong.
+/// would be wrong. What the clocks cannot tell is not beyond doubt.
 fn unexplained(found: &Found) -> Option<Where> {
+    let is_clock = |s: &&Score| found.within_clock.contains(&s.mechanism.card().name);
     let strongest = found
         .first
         .iter()
         .filter_map(|t| t.score.as_ref())
+        .filter(|s| !is_clock(s))
         .min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         .filter(|s| s.p_value < THRESHOLDS.unknown_p_value)?;
     let card = strongest.mechanism.card();
