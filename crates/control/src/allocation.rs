@@ -6,7 +6,8 @@
 //! # Equation
 //! In a steady turn side force and load have the ratio `tan(phi)` at both wheels, so of the
 //! friction `mu` there remains `sqrt(mu² - tan²(phi))`, and `T <= R F_z sqrt(mu² - tan²(phi))`.
-//! Net drive `F` takes the load `F h / w` from the front wheel; a balanced pair moves none.
+//! Net drive `F` takes the load `F h / w` from the front wheel; a balanced pair moves none. What battery
+//! and motors leave: `supply`.
 //!
 //! # Source
 //! Friction ellipse with equal axes; Bulsink (2017), chapter 7, for the pair.
@@ -26,9 +27,13 @@ use crate::bounded::Bounded as _;
 use crate::config::Config;
 use crate::guard::Request;
 use crate::law::Demand;
+use crate::supply::{Supply, SupplyForces};
 
 /// Largest uncertainty of roll that is added to the lean, rad.
 const ROLL_SD_MAX_RAD: f32 = 0.05;
+
+/// Largest uncertainty of speed that is added to it where power counts, m/s.
+const SPEED_SD_MAX_M_S: f32 = 1.0;
 
 /// What torques are possible now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +50,8 @@ pub struct Bounds {
     pub rear_force_n: f32,
     /// Loss of front force per newton of net drive, dimensionless.
     pub transfer_ratio: f32,
+    /// What battery and motors leave.
+    pub supply: SupplyForces,
 }
 
 /// Limits as functions of the state.
@@ -55,6 +62,7 @@ pub struct Envelope {
     front_load_n: f32,
     rear_load_n: f32,
     load_transfer_ratio: f32,
+    supply: Supply,
 }
 
 impl Envelope {
@@ -67,6 +75,7 @@ impl Envelope {
             front_load_n: bicycle.front_load_n,
             rear_load_n: bicycle.rear_load_n,
             load_transfer_ratio: bicycle.com_height_m / bicycle.wheelbase_m,
+            supply: Supply::new(&config.limits),
         }
     }
 
@@ -86,6 +95,9 @@ impl Envelope {
             front_force_n: left_ratio * self.front_load_n,
             rear_force_n: left_ratio * self.rear_load_n,
             transfer_ratio: left_ratio * self.load_transfer_ratio,
+            supply: self
+                .supply
+                .at(x.speed_m_s + x.speed_sd_m_s.at_most(SPEED_SD_MAX_M_S)),
         }
     }
 }
@@ -130,13 +142,19 @@ impl Allocation {
         // The pair's force may be no larger than either wheel carries beside the trim.
         let front_n = bounds.front_force_n - bounds.transfer_ratio * wanted_n.at_least(0.0);
         let rear_n = bounds.rear_force_n - wanted_n.at_least(0.0);
-        let ceiling_nm = front_n.at_most(rear_n).at_least(0.0) * r_f;
-        let trim_n = wanted_n
+        let carried_nm = front_n.at_most(rear_n).at_least(0.0) * r_f;
+        let held_n = wanted_n
             .at_least(-bounds.rear_force_n)
             .at_most(bounds.rear_force_n);
-        if pair_nm > ceiling_nm || trim_n != wanted_n {
+        if pair_nm > carried_nm || held_n != wanted_n {
             limited_by = limited_by.with(LimitedBy::FRICTION);
         }
+        let trim_n = bounds.supply.drive_n(held_n);
+        let powered_nm = bounds.supply.pair_n(trim_n) * r_f;
+        if pair_nm > powered_nm || trim_n != held_n {
+            limited_by = limited_by.with(LimitedBy::SUPPLY);
+        }
+        let ceiling_nm = carried_nm.at_most(powered_nm);
         Request {
             pair_nm,
             trim_nm: trim_n * r_r,

@@ -99,6 +99,15 @@ pub struct Limits {
     /// holds.
     #[cfg_attr(feature = "serde", serde(default))]
     pub friction_assumed_ratio: Option<f32>,
+    /// What the battery gives at most, W, 10 to 10000; left out, nothing limits it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub battery_out_max_w: Option<f32>,
+    /// What it takes back at most, W, 0 to 10000; left out, nothing limits it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub battery_in_max_w: Option<f32>,
+    /// Largest mechanical power of either motor, W, 10 to 10000; left out, nothing limits it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub motor_power_max_w: Option<f32>,
 }
 
 /// Everything that a controller is built from.
@@ -191,10 +200,37 @@ impl Limits {
             RAMP_UP_MAX_NM_S,
         )?;
         in_range("limits.ramp_down_s", self.ramp_down_s, 0.5, 5.0)?;
-        match self.friction_assumed_ratio {
-            Some(friction) => in_range("limits.friction_assumed_ratio", friction, 0.05, 1.2),
-            None => Ok(()),
+        for (key, found, min, max) in [
+            (
+                "limits.friction_assumed_ratio",
+                self.friction_assumed_ratio,
+                0.05,
+                1.2,
+            ),
+            (
+                "limits.battery_out_max_w",
+                self.battery_out_max_w,
+                10.0,
+                10_000.0,
+            ),
+            (
+                "limits.battery_in_max_w",
+                self.battery_in_max_w,
+                0.0,
+                10_000.0,
+            ),
+            (
+                "limits.motor_power_max_w",
+                self.motor_power_max_w,
+                10.0,
+                10_000.0,
+            ),
+        ] {
+            if let Some(found) = found {
+                in_range(key, found, min, max)?;
+            }
         }
+        Ok(())
     }
 
     /// The friction that holds.
@@ -225,6 +261,9 @@ impl Config {
             ramp_up_nm_s: 1.0,
             ramp_down_s: 2.0,
             friction_assumed_ratio: None,
+            battery_out_max_w: None,
+            battery_in_max_w: None,
+            motor_power_max_w: None,
         },
         law: Law::Off(Off {}),
         certificate: None,

@@ -40,6 +40,7 @@ pub mod schedule;
 pub mod senses;
 pub mod step;
 pub mod supervisor;
+pub mod supply;
 
 pub use certificate::Certificate;
 pub use config::{Bicycle, Config, ConfigError, Limits, Profile};

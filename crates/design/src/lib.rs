@@ -24,7 +24,7 @@ pub mod stops;
 pub mod symmetric;
 
 pub use certificate::{Certificate, Plan};
-pub use oracle::{Oracle, OracleError, Road};
+pub use oracle::{Oracle, OracleError, Power, Road, Wish};
 
 /// Why there is no schedule or certificate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -187,6 +187,8 @@ limits! {
     TURNING = 12, "turning", "braking torque held below what the square of the wheel's speed allows, at once";
     /// The fork has used much of its life.
     FORK = 13, "fork", "largest pair reduced as the fork's life is used";
+    /// Battery and motors give or take no more power.
+    SUPPLY = 14, "supply", "torque held at the power that battery and motors have, at once";
 }
 
 impl LimitedBy {
