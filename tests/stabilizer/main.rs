@@ -1,5 +1,6 @@
 //! The stabilizer on tyres: jumps of friction, what it knows of its roll, and hours of use.
 
+mod belief;
 mod friction_jumps;
 mod long_ride;
 mod roll_estimate;

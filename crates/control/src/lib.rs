@@ -27,6 +27,7 @@
 extern crate std;
 
 pub mod allocation;
+pub mod belief;
 mod bounded;
 pub mod certificate;
 pub mod clock;

@@ -7,6 +7,7 @@ use crate::record::{RiderRow, TruthRow};
 use crate::setup::Ride;
 use crate::{TICK, TICK_S};
 use twinhub_control::Controller;
+use twinhub_control::belief::{Belief, Believer};
 use twinhub_control::law::{Demand, Law, Mechanism as _};
 use twinhub_types::{Estimate, Instant, Output, RideState};
 
@@ -15,6 +16,7 @@ use twinhub_types::{Estimate, Instant, Output, RideState};
 pub struct Stepper {
     bench: Bench<'static>,
     controller: Controller,
+    believer: Believer,
     law: Law,
     sums: Sums,
     tick: u64,
@@ -42,6 +44,7 @@ impl Stepper {
         Ok(Self {
             bench: Bench::new(ride, None)?,
             controller: Controller::new(&ride.law),
+            believer: Believer::new(&ride.law.bicycle),
             law: ride.law.law,
             sums: Sums::default(),
             tick: 0,
@@ -69,6 +72,9 @@ impl Stepper {
             None => law.demand(last, x, dt_s),
         };
         let answer = self.controller.answer_by(&mut asked, &frame);
+        let estimate = &answer.output.estimate;
+        self.believer
+            .update(now, &frame.measurement, &frame.intent, estimate);
         let acts = self.bench.act(now, &truth);
         let (row, rider) = self.bench.step(now, &truth, &acts, Some(&answer));
         self.sums.add(&row, &rider, TICK_S);
@@ -78,6 +84,11 @@ impl Stepper {
             rider,
             output: answer.output,
         })
+    }
+
+    /// What is believed after the last tick, beside the controller's estimate.
+    pub fn belief(&self) -> &Belief {
+        self.believer.belief()
     }
 
     /// Ride time, s.
