@@ -2,6 +2,7 @@
 
 use crate::errors;
 use pyo3::prelude::*;
+use twinhub_control::belief::{Believer, Known, NEVER_S};
 use twinhub_control::law::{Demand, Mechanism as _};
 use twinhub_control::{Config, Controller, Law};
 use twinhub_sim::Ride;
@@ -37,6 +38,7 @@ type Answer = (
 pub struct PyController {
     config: Config,
     controller: Controller,
+    believer: Believer,
 }
 
 #[pymethods]
@@ -62,7 +64,7 @@ impl PyController {
 
     /// At rest again.
     fn reset(&mut self) {
-        self.controller = Controller::new(&self.config);
+        *self = Self::of(self.config);
     }
 
     /// The law file, TOML.
@@ -129,7 +131,39 @@ impl PyController {
             cadence_rad_s: intent.6,
         };
         let now = Instant::from_nanos(t_ns);
-        answer(&self.controller.step(now, &measurement, &intent))
+        let output = self.controller.step(now, &measurement, &intent);
+        self.believer
+            .update(now, &measurement, &intent, &output.estimate);
+        answer(&output)
+    }
+
+    /// What is believed after the last step: name, value, standard deviation, age.
+    fn belief(&self) -> Vec<(&'static str, f32, f32, f32)> {
+        let b = self.believer.belief();
+        let named: [(&'static str, Option<Known>); 12] = [
+            ("roll_rad", Some(b.roll_rad)),
+            ("roll_rate_rad_s", Some(b.roll_rate_rad_s)),
+            ("steer_rad", Some(b.steer_rad)),
+            ("steer_rate_rad_s", Some(b.steer_rate_rad_s)),
+            ("yaw_rate_rad_s", Some(b.yaw_rate_rad_s)),
+            ("speed_m_s", Some(b.speed_m_s)),
+            ("road_lean_rad", Some(b.road_lean_rad)),
+            ("front_load_n", Some(b.front_load_n)),
+            ("rear_load_n", Some(b.rear_load_n)),
+            ("front_slip_ratio", Some(b.front_slip_ratio)),
+            ("rear_slip_ratio", Some(b.rear_slip_ratio)),
+            ("friction_ratio", b.friction_ratio),
+        ];
+        let known = |(name, known): (&'static str, Option<Known>)| {
+            let k = known?;
+            let age_s = if k.age_s < NEVER_S {
+                k.age_s
+            } else {
+                f32::INFINITY
+            };
+            Some((name, k.value, k.sd, age_s))
+        };
+        named.into_iter().filter_map(known).collect()
     }
 }
 
@@ -137,6 +171,7 @@ impl PyController {
     fn of(config: Config) -> Self {
         Self {
             controller: Controller::new(&config),
+            believer: Believer::new(&config.bicycle),
             config,
         }
     }

@@ -49,6 +49,28 @@ def test_the_pair_ramps_up_and_the_lever_ends_it_at_once():
     assert controller.step(*healthy(0)).front_brake_nm == 0.0
 
 
+def test_what_is_believed_has_an_uncertainty_and_an_age():
+    controller = twinhub.Controller("constant")
+    for ms in range(2000):
+        controller.step(*healthy(ms))
+    belief = controller.belief()
+    assert belief["speed_m_s"].value == pytest.approx(5.0, abs=0.01)
+    assert belief["front_load_n"].value == pytest.approx(334.0, abs=1.0)
+    assert all(known.sd > 0.0 for known in belief.values())
+    # No wheel has slipped, and no sensor feels the road.
+    assert "friction_ratio" not in belief and belief["road_lean_rad"].age_s == np.inf
+    # A front wheel that turns at half the speed under its motor.
+    t_ns, m, intent = healthy(2000)
+    wheels = twinhub.WheelSample(t_ns, 0.5 * m.wheels.front_rad_s, m.wheels.rear_rad_s, 5.0)
+    motors = twinhub.MotorSample(t_ns, 40.0, 40.0)
+    controller.step(t_ns, twinhub.Measurement(m.imu, m.roll, m.steer, wheels, motors), intent)
+    friction = controller.belief()["friction_ratio"]
+    asked = 40.0 / 0.35 / 334.0
+    assert friction.value == pytest.approx(0.5 * asked, rel=0.01) and friction.age_s == 0.0
+    controller.reset()
+    assert controller.belief()["speed_m_s"].age_s == np.inf
+
+
 def test_nothing_that_comes_in_gets_out_of_bounds():
     controller = twinhub.Controller("scheduled", set={"limits.torque_max_nm": 20.0})
     nan = float("nan")

@@ -45,7 +45,7 @@ def test_every_attribute_of_a_ride_is_documented(ride_and_file):
             assert f"{attribute} : " in text, attribute
 
 
-@pytest.mark.parametrize("module", ["_batch", "_bicycle", "_controller", "_linear", "_log", "_map", "_modes", "_ride"])
+@pytest.mark.parametrize("module", ["_batch", "_bicycle", "_controller", "_linear", "_log", "_map", "_messages", "_modes", "_ride"])
 def test_examples_in_the_documentation_hold(module):
     result = doctest.testmod(importlib.import_module(f"twinhub.{module}"))
     assert result.failed == 0

@@ -11,7 +11,7 @@ the right.
 * `modes`: weave, capsize and caster over speed, under motor torques; `linearise`, `gradients`,
   `stability_map`.
 * `courses`, `ride`: a simulated ride, as numpy columns; `batch`: many of them, on all cores.
-* `laws`, `Controller`: the stabilizer itself, tick by tick.
+* `laws`, `Controller`: the stabilizer itself, tick by tick, and what it believes (`Known`).
 * `tune`: schedules, ramps and thresholds against effort, falls and energy.
 * `league`: controllers against each other over a population of riders.
 * `diagnose`, `experiment`: what the model gets wrong about measured rides, and why.
@@ -22,11 +22,17 @@ the right.
 
 from ._batch import Batch, batch
 from ._bicycle import bicycles, parameter_units, parameters
-from ._controller import (
+from ._controller import Controller, laws
+from ._diagnose import Diagnosis, Experiment, diagnose, experiment
+from ._league import League, league, merge_leagues
+from ._linear import Gradients, Linear, gradients, linearise
+from ._log import Columns, Event, Log, Recovery, read_log
+from ._map import StabilityMap, stability_map
+from ._messages import (
     NEVER_NS,
-    Controller,
     Estimate,
     ImuSample,
+    Known,
     Measurement,
     MotorSample,
     Output,
@@ -34,13 +40,7 @@ from ._controller import (
     RollSample,
     SteerSample,
     WheelSample,
-    laws,
 )
-from ._diagnose import Diagnosis, Experiment, diagnose, experiment
-from ._league import League, league, merge_leagues
-from ._linear import Gradients, Linear, gradients, linearise
-from ._log import Columns, Event, Log, Recovery, read_log
-from ._map import StabilityMap, stability_map
 from ._modes import Crossing, Modes, modes
 from ._ride import Metrics, Perception, Ride, courses, ride
 from ._things import (
@@ -76,6 +76,7 @@ __all__ = [
     "Gradients",
     "ImuSample",
     "InputError",
+    "Known",
     "Law",
     "League",
     "Linear",

@@ -11,7 +11,8 @@ from typing import Any, TypeAlias
 
 from . import _html, _twinhub
 from ._arguments import NameOrPath, finite, name_or_path
-from ._controller import Estimate, LawFunction
+from ._controller import LawFunction
+from ._messages import Estimate
 from ._ride import Perception, RiderFunction, _action
 from ._things import Law
 from .errors import InputError

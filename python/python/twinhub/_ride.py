@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from . import _html, _twinhub
 from ._arguments import Assignments, NameOrPath, assignments, name_or_path, seed_text, switch
-from ._controller import Estimate, LawFunction
+from ._controller import LawFunction
 from ._log import Log
+from ._messages import Estimate
 from ._things import Bicycle, Course, Law, Motors, Rider, Road, Sensors, Wind, of, placed
 
 

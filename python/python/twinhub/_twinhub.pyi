@@ -198,6 +198,7 @@ class _Controller:
         motors: tuple[int, float, float, float, float, float],
         intent: tuple[int, bool, bool, float, float, float, float],
     ) -> tuple[float, float, float, str, list[str], list[str], list[float]]: ...
+    def belief(self) -> list[tuple[str, float, float, float]]: ...
 
 @final
 class _Stepper:
