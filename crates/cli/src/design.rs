@@ -1,5 +1,6 @@
 //! `twinhub design`: schedules with their proof.
 
+use crate::design_print::{page, print, to_json};
 use crate::exit::{bad_input, environment, interrupted};
 use crate::interrupt::on_ctrl_c;
 use crate::span::numbers;
@@ -9,16 +10,17 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
-use twinhub_design::certificate::{Certificate, Entry, Plan};
+use twinhub_design::certificate::{Entry, Plan};
 use twinhub_design::family::FactorBox;
 use twinhub_design::loops::Rider;
 use twinhub_design::plan::{Progress, run as design};
 use twinhub_design::program::Cones;
-use twinhub_design::{DesignError, check, law};
+use twinhub_design::{DesignError, law};
 use twinhub_plant::bicycles::load_multibody;
 use twinhub_plant::multibody::Parameters;
 use twinhub_plant::rider::design::Hands;
 use twinhub_plant::rider::presets::{PRESETS, preset};
+use twinhub_report::design::design_page;
 
 /// Widest box of mass and of tyre load that is tried for a quick rider.
 const BOX_WIDTH: f64 = 0.1;
@@ -89,6 +91,9 @@ pub struct DesignArgs {
     /// Where to write the law file; the proof goes beside it, as .certificate.json
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
+    /// Where to write the page with the pictures
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -124,6 +129,10 @@ pub fn run(args: &DesignArgs) -> anyhow::Result<ExitCode> {
         std::fs::write(&beside, proof)
             .map_err(|e| environment(anyhow!("{}: {e}", beside.display())))?;
         std::fs::write(out, text).map_err(|e| environment(anyhow!("{}: {e}", out.display())))?;
+    }
+    if let Some(path) = &args.report {
+        std::fs::write(path, design_page(&page(&certificate)))
+            .map_err(|e| environment(anyhow!("{}: {e}", path.display())))?;
     }
     if args.json {
         println!("{}", serde_json::to_string_pretty(&to_json(&certificate))?);
@@ -292,65 +301,4 @@ fn rider(text: &str) -> anyhow::Result<Rider> {
             names()
         )
     })
-}
-
-fn to_json(certificate: &Certificate) -> serde_json::Value {
-    let nodes = |value: fn(&twinhub_design::certificate::Node) -> f64| -> Vec<f64> {
-        (0..certificate.schedule.len())
-            .map(|k| {
-                let values = certificate.pieces.iter().map(|p| value(&p.nodes[k]));
-                values.fold(f64::NEG_INFINITY, f64::max)
-            })
-            .collect()
-    };
-    serde_json::json!({
-        "bicycle": certificate.plan.bicycle,
-        "plan": certificate.plan,
-        "schedule": certificate.schedule,
-        "cells_proved": certificate.cells,
-        "proved_m_s": check::stretches(&certificate.schedule, &certificate.cells),
-        "growth_per_s": nodes(|n| n.growth_per_s),
-        "loss_growth_per_s": nodes(|n| n.loss_growth_per_s),
-        "stops": certificate.stops,
-    })
-}
-
-fn print(certificate: &Certificate) {
-    let plan = &certificate.plan;
-    let proved = check::stretches(&certificate.schedule, &certificate.cells);
-    println!("{}: proved {}", plan.bicycle, check::in_words(&proved));
-    println!("\n  speed    pair   tube            growth   after a loss   below it");
-    println!("    m/s      Nm     Nm               1/s            1/s");
-    for (k, point) in certificate.schedule.iter().enumerate() {
-        let worst = |value: fn(&twinhub_design::certificate::Node) -> f64| {
-            let values = certificate.pieces.iter().map(|p| value(&p.nodes[k]));
-            values.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let cell = match k.checked_sub(1).map(|c| certificate.cells[c]) {
-            None => "",
-            Some(true) => "proved",
-            Some(false) => "not proved",
-        };
-        println!(
-            "  {:5.2}  {:6.1}  {:5.1} to {:5.1}  {:8.2}  {:13.2}   {cell}",
-            point.speed_m_s,
-            point.torque_nm,
-            point.from_nm,
-            point.to_nm,
-            worst(|n| n.growth_per_s),
-            worst(|n| n.loss_growth_per_s),
-        );
-    }
-    for stop in &certificate.stops {
-        let because = if stop.because.is_empty() {
-            "no single uncertainty".to_owned()
-        } else {
-            stop.because.join(", or ")
-        };
-        let [from, to] = stop.speeds_m_s;
-        println!(
-            "\n{from} to {to} m/s, rider {}: stopped by {because}",
-            stop.rider
-        );
-    }
 }

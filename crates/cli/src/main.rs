@@ -7,6 +7,7 @@ mod certify;
 mod children;
 mod compare;
 mod design;
+mod design_print;
 mod diagnose;
 mod diagnose_page;
 mod doctor;

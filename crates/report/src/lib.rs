@@ -11,6 +11,7 @@ pub mod axis;
 pub mod blind;
 pub mod chart;
 pub mod compare;
+pub mod design;
 pub mod diagnose;
 pub mod league;
 pub mod line;
