@@ -266,9 +266,8 @@ fn eliminate(
     Some(baseline)
 }
 
-/// What rides disagree about most, if they do: an accepted cause, or where there is none a parameter of
-/// the bicycle. Judged when all causes are in, for one that is still missing lets rides disagree about
-/// the others.
+/// What rides disagree about most, if they do: an accepted cause, or most parameters of the bicycle.
+/// Judged when all causes are in, for one that is still missing lets rides disagree about the others.
 fn disagreement(
     rides: &Rides,
     baseline: &Baseline,
@@ -279,9 +278,6 @@ fn disagreement(
         return None;
     }
     let bench = Bench::new(rides, baseline)?;
-    if accepted.is_empty() {
-        return two_bicycles(&bench, count);
-    }
     let of = |index: usize| {
         let columns = active_columns(rides, baseline, &bench.passes, index);
         disagreement_p(&bench, columns.first()?, count)
@@ -292,6 +288,7 @@ fn disagreement(
         .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
         .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
         .min_by(|a, b| a.1.total_cmp(&b.1))
+        .or_else(|| two_bicycles(&bench, count))
 }
 
 /// The parameter about which rides disagree most, where they disagree about most parameters: one alone

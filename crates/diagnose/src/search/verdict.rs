@@ -6,6 +6,7 @@ use super::greedy::Found;
 use super::score::Score;
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
+use twinhub_mechanism::Equation;
 
 /// Verdict, confirmations, next experiment.
 pub fn judge(answer: &mut Answer, found: &Found, material: &Material<'_>) {
@@ -15,11 +16,14 @@ pub fn judge(answer: &mut Answer, found: &Found, material: &Material<'_>) {
     let too_many = found.accepted.len() > THRESHOLDS.most_confirmed;
     for (cause, accepted) in answer.causes.iter_mut().zip(&found.accepted) {
         let own = accepted.mechanism.card().equations;
-        // Confirmed is what leaves its own equations clean and explains more than all that is left.
+        // Confirmed is what leaves its own equations clean and explains more than all that is left. What
+        // a sensor says depends on all equations: its scale can stand in for what any of them lacks.
+        let is_sensor = own.contains(&Equation::Sensor);
+        let spoils = |e: &&str| is_sensor || own.iter().any(|own| own.name() == *e);
         cause.confirmed = decided
             && !too_many
             && accepted.gain.nats > most_left
-            && !own.iter().any(|e| dirty.contains(&e.name()));
+            && !dirty.iter().any(|e| spoils(e));
     }
     for left in found
         .left
