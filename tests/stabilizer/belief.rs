@@ -1,9 +1,10 @@
 //! Loads, slip and friction as the controller believes them, against the plant's, with sensors as bought.
 
 use crate::lay_road;
-use twinhub_control::belief::{FRICTION_MEMORY_S, NEVER_S};
+use twinhub_control::belief::{Belief, Believer, FRICTION_MEMORY_S, NEVER_S};
 use twinhub_plant::road::{Patch, Road};
-use twinhub_sim::{Ride, Stepper};
+use twinhub_sim::{Ride, Stepped, Stepper};
+use twinhub_types::Instant;
 
 /// When the speed begins to change, and the slippery spot begins, s.
 const CHANGE_S: f64 = 3.0;
@@ -19,6 +20,13 @@ fn set(speed: &str, seed: u64, more: &[&str]) -> Vec<String> {
     set
 }
 
+/// What is believed after a tick.
+fn believe(believer: &mut Believer, step: &Stepped) -> Belief {
+    let now = Instant::from_nanos(step.told.header.time_ns);
+    let estimate = &step.output.estimate;
+    *believer.update(now, &step.told.measurement, &step.told.intent, estimate)
+}
+
 #[test]
 fn loads_move_with_acceleration_and_their_uncertainty_is_honest() {
     let (mut squares, mut count) = ([0.0f64; 2], 0.0);
@@ -30,13 +38,14 @@ fn loads_move_with_acceleration_and_their_uncertainty_is_honest() {
         let mut stepper = Stepper::new(&ride).expect("starts");
         // The plant's loads bounce: their mean over a quarter of a second is what is asked for.
         let mut mean = [0.0f64; 2];
+        let mut believer = Believer::new(&ride.law.bicycle);
         while let Some(step) = stepper.step(None) {
+            let belief = believe(&mut believer, &step);
             let truth = [step.truth.front_load_n, step.truth.rear_load_n];
             for (mean, truth) in mean.iter_mut().zip(truth) {
                 *mean += (truth - *mean) * 0.001 / 0.1;
             }
             let t_s = stepper.time_s();
-            let belief = stepper.belief();
             if t_s < 1.0 || !((t_s * 1000.0).round() as u64).is_multiple_of(500) {
                 continue;
             }
@@ -87,8 +96,9 @@ fn friction_is_unknown_until_a_wheel_slips_and_then_less_than_what_was_asked() {
             lay_road(&mut ride, road);
             let mut stepper = Stepper::new(&ride).expect("starts");
             let mut told = None;
+            let mut believer = Believer::new(&ride.law.bicycle);
             while let Some(step) = stepper.step(None) {
-                let belief = *stepper.belief();
+                let belief = believe(&mut believer, &step);
                 let t_s = stepper.time_s();
                 if t_s < CHANGE_S - 0.5 {
                     assert!(

@@ -25,6 +25,7 @@ use twinhub_types::{Estimate, LimitedBy};
 
 use crate::bounded::Bounded as _;
 use crate::config::Config;
+use crate::estimator::GRAVITY_M_S2;
 use crate::guard::Request;
 use crate::law::Demand;
 use crate::supply::{Supply, SupplyForces};
@@ -84,7 +85,7 @@ impl Envelope {
     pub fn at(&self, x: &Estimate, share_ratio: f32, fork_ratio: f32) -> Bounds {
         let lean_rad = (x.roll_rad.abs() + x.roll_sd_rad.at_most(ROLL_SD_MAX_RAD)).at_most(1.5);
         let by_roll = libm::tanf(lean_rad);
-        let by_yaw = (x.speed_m_s * x.yaw_rate_rad_s).abs() / 9.81;
+        let by_yaw = (x.speed_m_s * x.yaw_rate_rad_s).abs() / GRAVITY_M_S2;
         let side_ratio = by_roll.at_least(by_yaw);
         let left = self.friction_ratio * self.friction_ratio - side_ratio * side_ratio;
         let left_ratio = libm::sqrtf(left.at_least(0.0));

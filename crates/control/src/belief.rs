@@ -34,10 +34,10 @@ use crate::bounded::Bounded as _;
 use crate::clock::{Clock, Tick};
 use crate::config::Bicycle;
 use crate::doubt::low_pass;
-use crate::guard::{SLIP_MARGIN_M_S, SLIP_RATIO};
+use crate::estimator::GRAVITY_M_S2;
+use crate::guard::tolerated_slip_m_s;
 use crate::senses::{Seen, Senses, within};
 
-const GRAVITY_M_S2: f32 = 9.81;
 /// How long the friction of a slip is believed, s.
 pub const FRICTION_MEMORY_S: f32 = 10.0;
 /// Age of what was never measured, s.
@@ -276,7 +276,7 @@ impl Believer {
         }
         if let (Some(wheels), Some(m)) = (&seen.wheels, motors) {
             let [front_m_s, rear_m_s] = self.treads_m_s(wheels);
-            let tolerated = SLIP_RATIO * wheels.speed_m_s.abs() + SLIP_MARGIN_M_S;
+            let tolerated = tolerated_slip_m_s(wheels.speed_m_s);
             let front = wheels.speed_m_s - front_m_s > tolerated;
             let rear = rear_m_s - wheels.speed_m_s > tolerated;
             let asked = |slips: bool, torque_nm: f32, radius_m: f32, load: &Known| {

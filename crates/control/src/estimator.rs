@@ -41,7 +41,8 @@ use crate::config::Bicycle;
 use crate::doubt::low_pass;
 use crate::senses::{RATE_MAX_RAD_S, Seen, span_s, within};
 
-const GRAVITY_M_S2: f32 = 9.81;
+/// Gravity, m/s².
+pub(crate) const GRAVITY_M_S2: f32 = 9.81;
 /// Standard deviation of a roll sensor, rad (guess: 0.3 degrees).
 const ROLL_SENSOR_SD_RAD: f32 = 0.005;
 /// Random walk of roll under the gyro, rad²/s (guess: 0.07 degrees per root second).

@@ -22,6 +22,7 @@ use crate::senses;
 
 mod limits;
 
+pub(crate) use limits::tolerated_slip_m_s;
 pub use limits::{
     BLIND_RAMP_S, GuardLimits, LEVER_THRESHOLD_RATIO, LINK_RAMP_S, PEAK_GAIN, Request, SLIP_HOLD_S,
     SLIP_MARGIN_M_S, SLIP_RATIO, STANDSTILL_M_S, THERMAL_TAU_S, TURNING_NM_PER_M2_S2,
@@ -332,7 +333,7 @@ impl Wheels {
 
     /// True if the front wheel lags behind the bicycle or the rear wheel leads it.
     fn slip(&self) -> bool {
-        let tolerated_m_s = SLIP_RATIO * self.speed_m_s.abs() + SLIP_MARGIN_M_S;
+        let tolerated_m_s = tolerated_slip_m_s(self.speed_m_s);
         self.speed_m_s - self.front_m_s > tolerated_m_s
             || self.rear_m_s - self.speed_m_s > tolerated_m_s
     }

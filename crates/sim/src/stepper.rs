@@ -7,16 +7,14 @@ use crate::record::{RiderRow, TruthRow};
 use crate::setup::Ride;
 use crate::{TICK, TICK_S};
 use twinhub_control::Controller;
-use twinhub_control::belief::{Belief, Believer};
 use twinhub_control::law::{Demand, Law, Mechanism as _};
-use twinhub_types::{Estimate, Instant, Output, RideState};
+use twinhub_types::{Estimate, Instant, Output, PlantFrame, RideState};
 
 /// A ride in this thread, a tick at a time, under a demand of the caller's own. Estimator, supervisor,
 /// allocation and guard are the stabilizer's.
 pub struct Stepper {
     bench: Bench<'static>,
     controller: Controller,
-    believer: Believer,
     law: Law,
     sums: Sums,
     tick: u64,
@@ -27,6 +25,8 @@ pub struct Stepper {
 /// What a tick came to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepped {
+    /// What the controller was told.
+    pub told: PlantFrame,
     /// The truth as the tick began, and what acted over it.
     pub truth: TruthRow,
     /// The rider over the tick.
@@ -44,7 +44,6 @@ impl Stepper {
         Ok(Self {
             bench: Bench::new(ride, None)?,
             controller: Controller::new(&ride.law),
-            believer: Believer::new(&ride.law.bicycle),
             law: ride.law.law,
             sums: Sums::default(),
             tick: 0,
@@ -72,23 +71,16 @@ impl Stepper {
             None => law.demand(last, x, dt_s),
         };
         let answer = self.controller.answer_by(&mut asked, &frame);
-        let estimate = &answer.output.estimate;
-        self.believer
-            .update(now, &frame.measurement, &frame.intent, estimate);
         let acts = self.bench.act(now, &truth);
         let (row, rider) = self.bench.step(now, &truth, &acts, Some(&answer));
         self.sums.add(&row, &rider, TICK_S);
         self.tick += 1;
         Some(Stepped {
+            told: frame,
             truth: row,
             rider,
             output: answer.output,
         })
-    }
-
-    /// What is believed after the last tick, beside the controller's estimate.
-    pub fn belief(&self) -> &Belief {
-        self.believer.belief()
     }
 
     /// Ride time, s.

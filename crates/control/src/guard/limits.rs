@@ -89,6 +89,11 @@ impl GuardLimits {
     }
 }
 
+/// Slip speed, m/s, beyond which a wheel slips: how far its tread may lag behind the bicycle, or lead it.
+pub(crate) fn tolerated_slip_m_s(speed_m_s: f32) -> f32 {
+    SLIP_RATIO * speed_m_s.abs() + SLIP_MARGIN_M_S
+}
+
 /// The largest brake torque for a wheel with this tread speed, Nm: see [`TURNING_NM_PER_M2_S2`].
 pub(super) fn turning_nm(tread_m_s: f32) -> f32 {
     let forward_m_s = tread_m_s.at_least(0.0);

@@ -147,6 +147,11 @@ fn calibration_columns(
         .collect()
 }
 
+/// Whether a calibration parameter stands at the end of its box.
+pub fn is_at_end(z: f64) -> bool {
+    z.abs() > THRESHOLDS.calibration_box_sd - 1e-3
+}
+
 /// A calibrated model.
 #[derive(Clone)]
 pub struct Baseline {

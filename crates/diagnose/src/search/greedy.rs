@@ -8,7 +8,6 @@ use super::decide::Gain;
 use super::fitting::Baseline;
 use super::probe::{PROBES, Probe};
 use super::refit::{Refit, finish, polish, refreshed};
-use super::rides::Rides;
 use super::score::{Bench, Score, active_columns, discoveries};
 use super::screen::{is_strained, screen};
 use super::thresholds::THRESHOLDS;
@@ -205,9 +204,10 @@ pub fn search(
         baseline = refreshed(material.fit, baseline)?;
         last = finish(material.fit, baseline.clone());
     }
-    let disagreement = disagreement(material.fit, &baseline, &accepted);
     progress("what is left");
-    let left = leftovers(material, &baseline, &accepted, decide)?;
+    let bench = Bench::new(material.fit, &baseline)?;
+    let disagreement = disagreement(&bench, &accepted);
+    let left = leftovers(material, &bench, &accepted, decide);
     Some(Found {
         refit: last,
         accepted,
@@ -268,19 +268,14 @@ fn eliminate(
 
 /// What rides disagree about most, if they do: an accepted cause, or most parameters of the bicycle.
 /// Judged when all causes are in, for one that is still missing lets rides disagree about the others.
-fn disagreement(
-    rides: &Rides,
-    baseline: &Baseline,
-    accepted: &[Accepted],
-) -> Option<(&'static str, f64)> {
-    let count = rides.0.len();
+fn disagreement(bench: &Bench<'_>, accepted: &[Accepted]) -> Option<(&'static str, f64)> {
+    let count = bench.rides.0.len();
     if count < 2 {
         return None;
     }
-    let bench = Bench::new(rides, baseline)?;
     let of = |index: usize| {
-        let columns = active_columns(rides, baseline, &bench.passes, index);
-        disagreement_p(&bench, columns.first()?, count)
+        let columns = active_columns(bench.rides, bench.baseline, &bench.passes, index);
+        disagreement_p(bench, columns.first()?, count)
     };
     accepted
         .iter()
@@ -288,7 +283,7 @@ fn disagreement(
         .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
         .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .or_else(|| two_bicycles(&bench, count))
+        .or_else(|| two_bicycles(bench, count))
 }
 
 /// The parameter about which rides disagree most, where they disagree about most parameters: one alone
@@ -344,11 +339,11 @@ fn disagreement_p(bench: &Bench<'_>, column: &[f64], count: usize) -> Option<f64
 /// Probes that still explain something.
 fn leftovers(
     material: &Material<'_>,
-    baseline: &Baseline,
+    bench: &Bench<'_>,
     accepted: &[Accepted],
     decide: bool,
-) -> Option<Vec<Left>> {
-    let bench = Bench::new(material.fit, baseline)?;
+) -> Vec<Left> {
+    let baseline = bench.baseline;
     let longitudinal = material.fit.0.iter().any(|r| r.ride.speed.is_none());
     let mut scores: Vec<(&'static Probe, Score)> = PROBES
         .iter()
@@ -380,5 +375,5 @@ fn leftovers(
         }
     }
     left.sort_by(|a, b| b.gain.nats.total_cmp(&a.gain.nats));
-    Some(left)
+    left
 }

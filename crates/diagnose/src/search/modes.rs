@@ -14,7 +14,7 @@
 //! Checked by: `tests` of the search: own modes are explained, others are not.
 
 use super::answer::{Answer, Candidate, Verdict, Where};
-use super::fitting::{Calibrated, Columns, calibrated};
+use super::fitting::{Calibrated, Columns, calibrated, is_at_end};
 use super::run::{DiagnoseError, empty};
 use super::step::bounded_step;
 use super::thresholds::THRESHOLDS;
@@ -248,7 +248,7 @@ pub fn diagnose_modes(
         answer
             .calibration
             .insert(c.symbol.to_owned(), c.value + z * c.sd);
-        if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
+        if is_at_end(*z) {
             answer.out_of_tolerance.push(c.symbol.to_owned());
         }
     }

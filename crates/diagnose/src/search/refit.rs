@@ -204,11 +204,15 @@ pub fn sketch(
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The rest of the fit that a sketch began: parameters, levels and columns in turn for as long as
-/// that gains anything. A strong effect takes several turns: levels fall once it is explained, and
-/// what the calibration did without it has to be undone.
+/// The rest of the fit that a sketch began, with its uncertainties.
 pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit> {
-    let mut best = polish(rides, sketch, ROUNDS)?;
+    finish(rides, settle(rides, free, sketch)?)
+}
+
+/// Parameters, levels and columns in turn for as long as that gains anything. A strong effect takes several
+/// turns: levels fall once it is explained, and what the calibration did without it has to be undone.
+pub fn settle(rides: &Rides, free: &FreeNoise, begun: Baseline) -> Option<Baseline> {
+    let mut best = polish(rides, begun, ROUNDS)?;
     for _ in 0..MOST_TURNS {
         let before = best.cost;
         if !are_levels_off(rides, &best)? {
@@ -224,7 +228,7 @@ pub fn refit(rides: &Rides, free: &FreeNoise, sketch: Baseline) -> Option<Refit>
             break;
         }
     }
-    finish(rides, best)
+    Some(best)
 }
 
 /// The calibration's columns at the present model.

@@ -3,12 +3,12 @@
 use super::answer::{Answer, Candidate, Cause, Fault, NotTestable, ScoreLine, Value, Verdict};
 use super::contender::Material;
 use super::faults;
-use super::fitting::{Baseline, calibrated};
+use super::fitting::{Baseline, calibrated, is_at_end};
 use super::greedy::{Found, search};
 use super::latent;
 use super::levels::start;
 use super::limits;
-use super::refit::refit;
+use super::refit::settle;
 use super::rides::prepare;
 use super::screen::is_strained;
 use super::testable::obstacle;
@@ -238,18 +238,17 @@ pub fn diagnose_data(
     // As far as every contender will be fitted: else its gain is that of more steps. A calibration that is
     // pulled away by something it lacks is not to follow it farther.
     if !is_strained(&baseline) {
-        let settled = refit(&fit, &free, baseline).ok_or_else(not_finite)?;
-        baseline = settled.baseline;
+        baseline = settle(&fit, &free, baseline).ok_or_else(not_finite)?;
     }
     for (c, z) in baseline.all.iter().zip(&baseline.z) {
         answer
             .calibration
             .insert(c.symbol.to_owned(), c.value + z * c.sd);
-        if z.abs() > THRESHOLDS.calibration_box_sd - 1e-3 {
+        if is_at_end(*z) {
+            answer.out_of_tolerance.push(c.symbol.to_owned());
             testable.push(tolerance::candidate(c));
         }
     }
-    answer.out_of_tolerance = baseline.beyond(THRESHOLDS.calibration_box_sd - 1e-3);
     answer.faults = faults::dead_inputs(&fit, &baseline);
     if !answer.faults.is_empty() {
         answer.verdict = Verdict::BadData;
@@ -272,7 +271,7 @@ pub fn diagnose_data(
     }
     fill(&mut answer, &found, &held);
     limits::fill(&mut answer, &found, &material);
-    judge(&mut answer, &found, &material);
+    judge(&mut answer, &found, !held.0.is_empty());
     progress("gains on held-out rides");
     let nominal = crate::engine::Model {
         bicycle: bicycle.clone(),

@@ -1,8 +1,7 @@
 //! A calibration parameter that wants to lie beyond its declared tolerance, as a candidate like any
 //! mechanism: it competes with them, and may turn out the same as one of them.
 
-use super::fitting::{Baseline, Calibrated};
-use super::thresholds::THRESHOLDS;
+use super::fitting::{self, Baseline, Calibrated};
 use std::sync::{Mutex, PoisonError};
 use twinhub_linear::Parameters;
 use twinhub_mechanism::{Card, Equation, Family, Mechanism, Param};
@@ -30,7 +29,7 @@ pub fn is_candidate(mechanism: &dyn Mechanism) -> bool {
 pub fn is_at_end(mechanism: &dyn Mechanism, baseline: &Baseline) -> bool {
     let symbol = mechanism.card().name.strip_prefix(PREFIX);
     let z = (baseline.all.iter().zip(&baseline.z)).find(|(c, _)| Some(c.symbol) == symbol);
-    z.is_some_and(|(_, z)| z.abs() > THRESHOLDS.calibration_box_sd - 1e-3)
+    z.is_some_and(|(_, z)| fitting::is_at_end(*z))
 }
 
 /// How far a candidate's value lies from the declared one, in declared standard deviations; nothing for a

@@ -1,7 +1,6 @@
 //! From what the search found to a verdict: what is confirmed, what is taken back, what comes next.
 
 use super::answer::{Answer, ChannelGain, Fault, NextExperiment, Verdict, Where};
-use super::contender::Material;
 use super::greedy::Found;
 use super::score::Score;
 use super::thresholds::THRESHOLDS;
@@ -9,8 +8,7 @@ use super::tolerance;
 use twinhub_mechanism::Equation;
 
 /// Verdict, confirmations, next experiment.
-pub fn judge(answer: &mut Answer, found: &Found, material: &Material<'_>) {
-    let decided = !material.held.0.is_empty();
+pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
     let dirty: Vec<&str> = found.left.iter().map(|l| l.probe.equation.name()).collect();
     let most_left = found.left.iter().map(|l| l.gain.nats).fold(0.0, f64::max);
     let too_many = found.accepted.len() > THRESHOLDS.most_confirmed;

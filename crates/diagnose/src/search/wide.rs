@@ -17,10 +17,10 @@
 
 use super::contender::{Material, held_blocks, penalty};
 use super::decide::Gain;
-use super::fitting::{Baseline, Calibrated};
+use super::fitting::{Baseline, Calibrated, is_at_end};
 use super::greedy::{Accepted, Found};
 use super::limits::duration_s;
-use super::refit::{refit, refreshed};
+use super::refit::{refreshed, settle};
 use super::screen::is_strained;
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
@@ -52,8 +52,7 @@ pub fn rival(
     progress: &mut dyn FnMut(&str),
 ) -> Option<Baseline> {
     let is_mechanism = |a: &Accepted| !tolerance::is_candidate(a.mechanism);
-    let is_at_end = |z: &f64| z.abs() > THRESHOLDS.calibration_box_sd - 1e-3;
-    let is_pulled = is_strained(declared) || declared.z.iter().any(is_at_end);
+    let is_pulled = is_strained(declared) || declared.z.iter().any(|z| is_at_end(*z));
     if !is_pulled || !found.accepted.iter().any(is_mechanism) {
         return None;
     }
@@ -70,7 +69,7 @@ pub fn rival(
     };
     start.model.levels = found.baseline.model.levels.clone();
     let start = refreshed(material.fit, start)?;
-    let wide = refit(material.fit, material.free, start)?.baseline;
+    let wide = settle(material.fit, material.free, start)?;
     let blocks = libm::ceil(duration_s(material.fit) / THRESHOLDS.block_s) as usize;
     let causes: f64 = (found.accepted.iter())
         .map(|a| penalty(a.mechanism, blocks, library))
