@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use twinhub_blind::{Ask, Engine, Product, Reading};
-use twinhub_hidden::{Effect, Kind, Scenario, SealedAnswer};
+use twinhub_hidden::{Effect, Kind, Scenario, SealedAnswer, Separate};
 
 /// A set on disk; it goes with this value.
 struct Set {
@@ -165,6 +165,49 @@ fn arms_act_where_hands_hold_the_bar() {
     let found = Set::new(&hidden("arm_damping", 1)).diagnose(&Ask::default());
     let first = found.causes.first().expect("a cause");
     assert_eq!(first.set, ["arm_damping"], "{}", said(&found));
+}
+
+/// The wheel stands differently at the start of every ride, and no channel says how.
+#[test]
+fn finds_a_wheel_out_of_balance() {
+    let found = Set::new(&hidden("wheel_imbalance", 6).sized(&[4e-4])).diagnose(&Ask::default());
+    let first = found.causes.first().expect("a cause");
+    assert!(
+        first.mechanism == "wheel_imbalance" && first.confirmed,
+        "{}",
+        said(&found)
+    );
+    let value = first.parameters["nm_s2"].value;
+    assert!((value / 4e-4 - 1.0).abs() < 0.15, "{}", said(&found));
+}
+
+/// An accelerometer that is read while the torque steps sees the step or does not: a lag shorter than its
+/// sampling time comes out as it is all the same.
+#[test]
+fn a_short_lag_of_a_motor_has_its_length() {
+    for (name, seed) in [("front_motor_lag", 2), ("rear_motor_lag", 3)] {
+        let set = Set::new(&hidden(name, seed).sized(&[3e-3]));
+        let found = set.diagnose(&Ask::default());
+        let first = found.causes.first().expect("a cause");
+        assert_eq!(first.mechanism, name, "{}", said(&found));
+        let value = first.parameters["time_constant_s"].value;
+        assert!((value - 3e-3).abs() < 1e-3, "{}", said(&found));
+    }
+}
+
+/// The same road out and back parts what belongs to the air or the road from what belongs to the bicycle.
+#[test]
+fn out_and_back_parts_wind_slope_and_load() {
+    for (name, seed, size) in [
+        ("crosswind", 1, 6.0),
+        ("cross_slope", 2, 0.08),
+        ("lateral_offset", 3, 0.8),
+    ] {
+        let scenario = hidden(name, seed).sized(&[size]);
+        let found = Set::new(&scenario.separated(Separate::OutAndBack)).diagnose(&Ask::default());
+        let set = found.causes.first().map(|c| c.set.join(" "));
+        assert_eq!(set.as_deref(), Some(name), "{}", said(&found));
+    }
 }
 
 #[test]

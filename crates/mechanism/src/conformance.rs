@@ -33,6 +33,7 @@ fn moment<'a>(body: &'a Body, sign: f64) -> Moment<'a> {
         crank_rad: Some(1.0),
         wheel_rad: Some(2.0),
         trunk_lean_rad: Some(0.1 * sign),
+        way: 1.0,
     }
 }
 
@@ -172,4 +173,27 @@ fn friction_sticks() {
     let after = at.rate_rad_s[1]
         + at.dt_s * (at.accel_rad_s2[1] + wrench.steer_nm / body.steer_inertia_kg_m2());
     assert!(after.abs() < 1e-12, "{after}");
+}
+
+/// What belongs to the road or the air changes sides on the way back; what belongs to the bicycle does not.
+#[test]
+fn the_way_back() {
+    let bicycle = benchmark();
+    let body = Body::with(&bicycle, &[]).unwrap();
+    let sideways = |name: &str, way: f64| {
+        let mechanism = find(name).unwrap();
+        let p = mechanism.probes(&bicycle.parameters).remove(0);
+        let at = Moment {
+            way,
+            ..moment(&body, 1.0)
+        };
+        let w = push(mechanism, &p, &at);
+        [w.roll_nm, w.steer_nm, w.force_n]
+    };
+    for name in ["crosswind", "cross_slope", "longitudinal_slope"] {
+        assert_eq!(sideways(name, -1.0), sideways(name, 1.0).map(|x| -x));
+    }
+    for name in ["lateral_offset", "rolling_resistance"] {
+        assert_eq!(sideways(name, -1.0), sideways(name, 1.0));
+    }
 }

@@ -93,6 +93,13 @@ pub trait Mechanism: Sync + std::fmt::Debug {
         p
     }
 
+    /// Whether every ride has a phase of its own, which only the ride can tell: the rate of a wheel does not
+    /// say how the wheel stood at first. The probes are then the effect and the effect a quarter of a turn
+    /// later.
+    fn has_phase_by_ride(&self) -> bool {
+        false
+    }
+
     /// Changes the bicycle's parameters.
     fn reshape(&self, _p: &[f64], _bicycle: &mut Parameters) {}
 

@@ -34,9 +34,13 @@ pub struct Moment<'a> {
     pub inputs: Inputs,
     /// Angle of the cranks, where it was measured.
     pub crank_rad: Option<f64>,
-    /// Angle of the front wheel, where its rate was measured.
+    /// Angle of the front wheel, where its rate was measured, from where the heavy side is down in front; where
+    /// that is not known, from where it stood at first.
     pub wheel_rad: Option<f64>,
     pub trunk_lean_rad: Option<f64>,
+    /// Along the road of the study: 1; the other way: -1; a road at an angle: its cosine. What belongs to the
+    /// road or the air changes sides with it.
+    pub way: f64,
 }
 
 impl Moment<'_> {

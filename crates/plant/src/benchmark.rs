@@ -114,6 +114,7 @@ impl Causes {
             crank_rad: None,
             wheel_rad: None,
             trunk_lean_rad: None,
+            way: 1.0,
         }
     }
 

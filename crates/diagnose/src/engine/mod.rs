@@ -3,6 +3,7 @@
 //! [`Prepared`] is a ride cut into steps; a [`Model`] predicts it in one [`Pass`]; and
 //! [`sensitivity`] says how the innovations change with the plant without another pass.
 
+mod acting;
 pub mod course;
 mod flow;
 pub mod forecast;
@@ -17,6 +18,7 @@ pub mod setup;
 pub mod small;
 mod speed;
 mod state;
+pub mod way;
 
 pub use layout::latent_state;
 pub use pass::{Pass, Prepared};

@@ -85,6 +85,8 @@ pub struct Ride {
     pub trunk: Option<Signal>,
     pub hands_on: bool,
     pub road: bool,
+    /// Along the road of the study or back, see `twinhub_mechanism::Moment`.
+    pub way: f64,
 }
 
 /// Why a channel cannot be used.
@@ -238,6 +240,7 @@ impl Ride {
             windows,
             hands_on: data.spec.hands == Some(crate::study::Hands::On),
             road: data.spec.ground == Some(crate::study::Ground::Road),
+            way: 1.0,
         }))
     }
 }

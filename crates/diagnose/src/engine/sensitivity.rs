@@ -313,9 +313,9 @@ fn speed_changes(
         let base = speed::acceleration(s0, ride, e0, predicted, t, &m0);
         let there = speed::acceleration(s1, ride, e1, predicted, t, &m1);
         let a1 = there[0] - base[0];
-        let (met0, met1) = (course.met(index), other.met(index));
-        let base = speed::acceleration(s0, ride, met0, predicted, t, &m0);
-        let there = speed::acceleration(s1, ride, met1, predicted, t, &m1);
+        let (felt0, felt1) = (course.felt(index), other.felt(index));
+        let base = speed::acceleration(s0, ride, &felt0, predicted, t, &m0);
+        let there = speed::acceleration(s1, ride, &felt1, predicted, t, &m1);
         if h > 0.0 {
             dx[0] = record.phi_speed[index] * dx[0] + 0.5 * h * (a0 + a1);
         }

@@ -2,6 +2,7 @@
 
 use super::ride::{Arm, NoiseKind, Ride, Sensor};
 use crate::quantity::Quantity;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use twinhub_linear::{Bicycle, BicycleError};
 use twinhub_mechanism::{Body, InputModel, Mechanism, RandomForce, Requirement, SensorModel};
@@ -11,6 +12,19 @@ use twinhub_mechanism::{Body, InputModel, Mechanism, RandomForce, Requirement, S
 pub struct Active {
     pub mechanism: &'static dyn Mechanism,
     pub p: Vec<f64>,
+    /// Phases that belong to rides, by file, where the mechanism has such.
+    pub phase_rad: BTreeMap<String, f64>,
+}
+
+impl Active {
+    /// Without any phase.
+    pub fn new(mechanism: &'static dyn Mechanism, p: Vec<f64>) -> Self {
+        Self {
+            mechanism,
+            p,
+            phase_rad: BTreeMap::new(),
+        }
+    }
 }
 
 /// Noise levels, one standard deviation each.
@@ -90,7 +104,7 @@ impl Model {
     /// With one more mechanism.
     pub fn with(&self, mechanism: &'static dyn Mechanism, p: Vec<f64>) -> Self {
         let mut model = self.clone();
-        model.active.push(Active { mechanism, p });
+        model.active.push(Active::new(mechanism, p));
         model
     }
 
@@ -125,6 +139,8 @@ pub struct Setup {
     /// Roll and steer torque per unit of each drive.
     pub arms: Vec<[f64; 2]>,
     pub law_delay_s: f64,
+    /// Phase of the front wheel at its angle zero.
+    pub wheel_phase_rad: f64,
     /// Mechanisms that push, and where their memory starts.
     pub pushing: Vec<(usize, usize)>,
     pub memory: usize,
@@ -181,6 +197,11 @@ impl Setup {
                 .active
                 .iter()
                 .map(|a| a.mechanism.law_delay_s(&a.p))
+                .sum(),
+            wheel_phase_rad: plant
+                .active
+                .iter()
+                .filter_map(|a| a.phase_rad.get(&ride.file))
                 .sum(),
             pushing,
             memory,

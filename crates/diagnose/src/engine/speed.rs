@@ -11,7 +11,7 @@
 //!
 //! Checked by: `tests` of the engine.
 
-use super::course::{Course, Ends};
+use super::course::{Course, Ends, Felt};
 use super::pass::Pass;
 use super::ride::{Ride, Sensor};
 use super::setup::{Model, Setup};
@@ -33,6 +33,11 @@ pub fn bias_states(ride: &Ride) -> Vec<Option<usize>> {
         .collect()
 }
 
+/// Force per torque of a wheel; a bicycle without wheels has none.
+fn per(torque: f64, radius: f64) -> f64 {
+    if radius > 0.0 { torque / radius } else { 0.0 }
+}
+
 /// Forward acceleration, and the part of it that an accelerometer does not feel.
 pub fn acceleration(
     setup: &Setup,
@@ -44,7 +49,6 @@ pub fn acceleration(
 ) -> [f64; 2] {
     let body = &setup.plant.body;
     let p = &body.parameters;
-    let per = |torque: f64, radius: f64| if radius > 0.0 { torque / radius } else { 0.0 };
     let mut force = per(ends.traction_nm, p.rR) - per(ends.brake_nm, p.rF);
     let mut gravity = 0.0;
     if !setup.pushing.is_empty() {
@@ -72,15 +76,21 @@ pub fn acceleration(
     ]
 }
 
+/// Acceleration by which a torque that steps at a reading may be missed or met.
+fn unsure(setup: &Setup, felt: &Felt) -> f64 {
+    let body = &setup.plant.body;
+    let p = &body.parameters;
+    (per(felt.traction_half_nm, p.rR) - per(felt.brake_half_nm, p.rF)) / body.effective_mass_kg
+}
+
 /// What a longitudinal sensor reads, and its derivatives by speed and by acceleration.
 pub fn reading(setup: &Setup, sensor: usize, spec: &Sensor, speed: f64, felt: f64) -> [f64; 3] {
     let model = &setup.sensors[sensor];
     let p = &setup.plant.body.parameters;
-    let per = |radius: f64| if radius > 0.0 { 1.0 / radius } else { 0.0 };
     let [by_speed, by_accel] = match spec.quantity {
         Quantity::Speed => [1.0, 0.0],
-        Quantity::FrontWheelRate => [per(p.rF), 0.0],
-        Quantity::RearWheelRate => [per(p.rR), 0.0],
+        Quantity::FrontWheelRate => [per(1.0, p.rF), 0.0],
+        Quantity::RearWheelRate => [per(1.0, p.rR), 0.0],
         _ => [0.0, 1.0],
     };
     [
@@ -157,7 +167,8 @@ pub fn run(
                 p[j * n] = p[j];
             }
         }
-        let [a, gravity] = at(course.met(index), x[0], step.t_s);
+        let [a, _] = at(course.met(index), x[0], step.t_s);
+        let [felt, gravity] = at(&course.felt(index), x[0], step.t_s);
         for r in step.readings.clone() {
             let reading = &course.readings[r];
             let spec = &ride.sensors[reading.sensor];
@@ -165,7 +176,7 @@ pub fn run(
                 continue;
             }
             let [mut predicted, by_speed, _] =
-                self::reading(setup, reading.sensor, spec, x[0], a - gravity);
+                self::reading(setup, reading.sensor, spec, x[0], felt - gravity);
             row.fill(0.0);
             row[0] = by_speed;
             if let Some(b) = biases[reading.sensor] {
@@ -181,6 +192,8 @@ pub fn run(
             if spec.quantity == Quantity::LongitudinalAccel {
                 // The accelerometer feels the white force as well, over its sampling interval.
                 noise += level * level / h.max(1e-3);
+                let half = setup.sensors[reading.sensor].gain * unsure(setup, &step.felt);
+                noise += half * half;
             }
             let variance = super::small::dot(&row, &gain) + noise;
             let error = reading.value - predicted;
@@ -223,12 +236,12 @@ pub fn free_run(
         let a0 = acceleration(setup, ride, &step.from, v, t - h, &memory)[0];
         let a1 = acceleration(setup, ride, &step.to, v + a0 * h, t, &memory)[0];
         v += 0.5 * h * (a0 + a1);
-        let [a, gravity] = acceleration(setup, ride, course.met(index), v, t, &memory);
+        let [felt, gravity] = acceleration(setup, ride, &course.felt(index), v, t, &memory);
         for r in step.readings.clone() {
             let sensor = course.readings[r].sensor;
             let spec = &ride.sensors[sensor];
             if spec.is_longitudinal() {
-                visit(r, reading(setup, sensor, spec, v, a - gravity)[0]);
+                visit(r, reading(setup, sensor, spec, v, felt - gravity)[0]);
             }
         }
     }

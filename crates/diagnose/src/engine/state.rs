@@ -114,8 +114,9 @@ pub fn moment<'a>(
         accel_rad_s2: [accel.x, accel.y],
         inputs,
         crank_rad: some(ends.crank_rad),
-        wheel_rad: some(ends.wheel_rad),
+        wheel_rad: some(ends.wheel_rad - setup.wheel_phase_rad),
         trunk_lean_rad: some(ends.trunk_rad),
+        way: ride.way,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Decisions on rides that were not used for fitting: gains by block.
 
+use super::phases;
 use super::rides::{Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::Model;
@@ -10,9 +11,9 @@ use std::collections::BTreeMap;
 pub struct Blocks(BTreeMap<(usize, i64), f64>);
 
 impl Blocks {
-    /// Predicts rides with a model.
+    /// Predicts rides with a model, which finds the phases of each.
     pub fn new(rides: &Rides, model: &Model) -> Option<Self> {
-        let passes = Passes::run(rides, model, false)?;
+        let passes = Passes::run(rides, &phases::found(rides, model)?, false)?;
         let stamps = passes.stamps(rides);
         let mut sums = BTreeMap::new();
         let terms = passes

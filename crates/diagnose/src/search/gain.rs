@@ -1,6 +1,7 @@
 //! How much better the extended model predicts, on held-out rides.
 
 use super::answer::{Answer, ChannelGain};
+use super::phases;
 use super::pictures::Trace;
 use super::rides::Rides;
 use crate::compare::{HORIZONS_S, MAIN_HORIZON};
@@ -23,7 +24,7 @@ pub fn fill(
     }
     let all: Vec<Forecast> = [nominal, calibrated, extended]
         .iter()
-        .filter_map(|model| forecast(&held.0, model))
+        .filter_map(|model| forecast(&held.0, &phases::found(held, model)?))
         .collect();
     let [nominal, calibrated, extended] = &all[..] else {
         return;

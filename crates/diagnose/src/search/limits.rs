@@ -28,7 +28,7 @@ pub fn is_delay(name: &str) -> bool {
 /// Smallest size of a mechanism that would be seen; `ratio` is held-out time over fit time, `clock_s` the
 /// shortest delay that the clocks tell.
 pub fn limit(score: &Score, ratio: f64, clock_s: f64) -> f64 {
-    let information = score.information[0] / score.widening;
+    let information = score.first_information() / score.widening;
     let by_score = THRESHOLDS.limit_z / information.sqrt();
     let by_gain = if ratio > 0.0 {
         (2.0 * THRESHOLDS.limit_nats / (information * ratio)).sqrt()

@@ -74,10 +74,7 @@ pub fn sketch(
 ) -> Option<Baseline> {
     let extended = |p: [f64; 2]| {
         let mut there = baseline.clone();
-        there.model.active.push(Active {
-            mechanism,
-            p: p.to_vec(),
-        });
+        there.model.active.push(Active::new(mechanism, p.to_vec()));
         there
     };
     let cost_of = |p: [f64; 2]| cost_over(rides, &extended(p));

@@ -17,7 +17,7 @@ use super::tolerance;
 use super::verdict::{disagree, judge, withdraw};
 use super::{gain, wide, words};
 use crate::data::{DataError, DataFolders, RideData, read_ride};
-use crate::engine::{FreeNoise, Refusal, Ride};
+use crate::engine::{FreeNoise, Refusal, Ride, way};
 use crate::study::{Place, Study, Use};
 use std::collections::BTreeMap;
 use twinhub_mechanism::{ALL, Mechanism};
@@ -182,6 +182,7 @@ pub fn split(data: &[RideData]) -> Result<(Vec<Ride>, Vec<Ride>, FreeNoise), Ref
     for ride in data {
         held.extend(Ride::new(ride, Use::HeldOut, &mut free)?);
     }
+    way::set(&mut fit, &mut held, data);
     Ok((fit, held, free))
 }
 

@@ -15,6 +15,7 @@
 //! Checked by: `tests`: against refits, and p-values on clean rides.
 
 use super::fitting::Baseline;
+use super::phases::by_ride;
 use super::rides::{Column, Passes, Rides};
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
@@ -40,6 +41,17 @@ pub struct Score {
 }
 
 impl Score {
+    /// Information about the first parameter: about an amplitude, whatever the phases of the rides are, half
+    /// of what both columns of all rides have.
+    pub fn first_information(&self) -> f64 {
+        if self.mechanism.has_phase_by_ride() {
+            let k = self.size.len();
+            0.5 * (0..k).map(|i| self.information[i * k + i]).sum::<f64>()
+        } else {
+            self.information[0]
+        }
+    }
+
     /// Linear estimate of the first parameter, away from null.
     pub fn first_size(&self) -> f64 {
         self.size[0] * self.unit
@@ -156,7 +168,7 @@ impl<'a> Bench<'a> {
     /// Columns of a mechanism that is absent from the baseline.
     pub fn columns(&self, mechanism: &'static dyn Mechanism) -> Vec<Column> {
         let bicycle = &self.baseline.model.bicycle;
-        mechanism
+        let columns: Vec<Column> = mechanism
             .probes(&bicycle.parameters)
             .into_iter()
             .map(|p| {
@@ -166,7 +178,12 @@ impl<'a> Bench<'a> {
                     Err(_) => vec![0.0; self.residual.len()],
                 }
             })
-            .collect()
+            .collect();
+        if mechanism.has_phase_by_ride() {
+            by_ride(&columns, &self.ride, self.rides.0.len())
+        } else {
+            columns
+        }
     }
 
     /// Tests a mechanism.

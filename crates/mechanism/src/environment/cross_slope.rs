@@ -1,6 +1,7 @@
 //! What: the road falls to one side.
 //!
-//! Equation: gravity leans by the slope: torque -g K0 (slope, 0).
+//! Equation: gravity leans by the slope: torque -g K0 (slope, 0); the other way the road falls to the
+//! other side.
 //!
 //! Source: Meijaard, Papadopoulos, Ruina and Schwab (2007), equations (4.1)-(4.6).
 //!
@@ -32,7 +33,7 @@ static CARD: Card = Card {
         most: 0.2,
         probe: 0.002,
         starts: &[],
-        about: "fall to the right",
+        about: "fall to the right of the study's first ride",
     }],
     requires: &[],
     confounded_with: &["lateral_offset", "roll_sensor_bias", "crosswind"],
@@ -49,9 +50,10 @@ impl Mechanism for CrossSlope {
 
     fn wrench(&self, p: &[f64], at: &Moment<'_>, _memory: &[f64]) -> Wrench {
         let k0 = at.body.terms.stiffness[0];
+        let slope_rad = at.way * p[0];
         Wrench {
-            roll_nm: -k0[(0, 0)] * p[0],
-            steer_nm: -k0[(1, 0)] * p[0],
+            roll_nm: -k0[(0, 0)] * slope_rad,
+            steer_nm: -k0[(1, 0)] * slope_rad,
             ..Wrench::default()
         }
     }

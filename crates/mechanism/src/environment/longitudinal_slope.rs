@@ -32,7 +32,7 @@ static CARD: Card = Card {
         most: 0.2,
         probe: 0.001,
         starts: &[],
-        about: "climb, positive uphill",
+        about: "climb of the study's first ride, positive uphill",
     }],
     requires: &[Requirement::PredictedSpeed],
     confounded_with: &["rolling_resistance", "brake_drag"],
@@ -48,7 +48,7 @@ impl Mechanism for LongitudinalSlope {
     }
 
     fn wrench(&self, p: &[f64], at: &Moment<'_>, _memory: &[f64]) -> Wrench {
-        let gravity_n = -at.body.mass_kg * at.body.gravity_m_s2 * libm::sin(p[0]);
+        let gravity_n = -at.body.mass_kg * at.body.gravity_m_s2 * libm::sin(at.way * p[0]);
         Wrench {
             force_n: gravity_n,
             gravity_n,

@@ -44,7 +44,7 @@ static CARD: Card = Card {
             most: 3.1416,
             probe: 0.1,
             starts: &[],
-            about: "phase",
+            about: "phase, beyond that of each ride",
         },
     ],
     requires: &[Requirement::Channel(Quantity::FrontWheelRate)],
@@ -57,6 +57,10 @@ impl Mechanism for WheelImbalance {
         &CARD
     }
     fn pushes(&self) -> bool {
+        true
+    }
+
+    fn has_phase_by_ride(&self) -> bool {
         true
     }
 

@@ -164,6 +164,7 @@ mod tests {
             crank_rad: None,
             wheel_rad: None,
             trunk_lean_rad: None,
+            way: 1.0,
         }
     }
 
