@@ -5,14 +5,14 @@ use super::contender::{
     is_decided, is_degenerate, is_within_clock, pick,
 };
 use super::decide::Gain;
+use super::disagreement::disagreement;
 use super::fitting::Baseline;
 use super::probe::{PROBES, Probe};
-use super::refit::{Refit, finish, polish, refreshed};
-use super::score::{Bench, Score, active_columns, discoveries};
+use super::refit::{Refit, finish, refreshed, settle};
+use super::score::{Bench, Score, discoveries};
 use super::screen::{is_strained, screen};
 use super::thresholds::THRESHOLDS;
 use super::tolerance;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use twinhub_mechanism::{Equation, Mechanism};
 
 /// An accepted cause.
@@ -199,7 +199,7 @@ pub fn search(
     }
     if accepted.len() > 1 {
         progress("joint fit");
-        baseline = polish(material.fit, baseline, 3)?;
+        baseline = settle(material.fit, material.free, baseline)?;
         baseline = eliminate(material, baseline, &mut accepted, decide)?;
         baseline = refreshed(material.fit, baseline)?;
         last = finish(material.fit, baseline.clone());
@@ -238,7 +238,8 @@ fn eliminate(
     while accepted.len() > 1 && index < accepted.len() {
         let mut without = baseline.clone();
         without.model.active.remove(index);
-        let without = polish(material.fit, without, 2)?;
+        // With levels of its own, as every model that is compared.
+        let without = settle(material.fit, material.free, without)?;
         let loss = match (
             held_blocks(material.held, &without),
             held_blocks(material.held, &baseline),
@@ -264,76 +265,6 @@ fn eliminate(
         }
     }
     Some(baseline)
-}
-
-/// What rides disagree about most, if they do: an accepted cause, or most parameters of the bicycle.
-/// Judged when all causes are in, for one that is still missing lets rides disagree about the others.
-fn disagreement(bench: &Bench<'_>, accepted: &[Accepted]) -> Option<(&'static str, f64)> {
-    let count = bench.rides.0.len();
-    if count < 2 {
-        return None;
-    }
-    let of = |index: usize| {
-        let columns = active_columns(bench.rides, bench.baseline, &bench.passes, index);
-        disagreement_p(bench, columns.first()?, count)
-    };
-    accepted
-        .iter()
-        .enumerate()
-        .filter_map(|(index, cause)| Some((cause.mechanism.card().name, of(index)?)))
-        .filter(|(_, p)| *p < THRESHOLDS.agreement_p_value)
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .or_else(|| two_bicycles(bench, count))
-}
-
-/// The parameter about which rides disagree most, where they disagree about most parameters: one alone
-/// can stand in for what changes from ride to ride, such as a sensor's offset.
-fn two_bicycles(bench: &Bench<'_>, count: usize) -> Option<(&'static str, f64)> {
-    let baseline = bench.baseline;
-    let of = |(index, column): &(usize, Vec<f64>)| {
-        let p = disagreement_p(bench, column, count)?;
-        Some((baseline.all[*index].symbol, p))
-    };
-    let mut found: Vec<_> = baseline.columns.list.iter().filter_map(of).collect();
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let median = found.get(found.len() / 2)?.1;
-    (median < THRESHOLDS.one_bicycle_p_value).then(|| found[0])
-}
-
-/// p-value of the hypothesis that all rides want the same size of the effect in `column`.
-fn disagreement_p(bench: &Bench<'_>, column: &[f64], count: usize) -> Option<f64> {
-    // By ride: score and information. By block: score, and whose it is.
-    let mut sums = vec![[0.0; 2]; count];
-    let mut blocks = vec![(0.0, 0); bench.blocks];
-    for (k, g) in column.iter().enumerate() {
-        let ride = bench.ride[k];
-        sums[ride][0] += g * bench.residual[k];
-        sums[ride][1] += g * g;
-        blocks[bench.block[k]].0 += g * bench.residual[k];
-        blocks[bench.block[k]].1 = ride;
-    }
-    // Variance of a ride's score from its blocks, about their mean: a ride that wants another size
-    // does not widen its own yardstick.
-    let mut spread = vec![0.0; count];
-    for (ride, spread) in spread.iter_mut().enumerate() {
-        let own: Vec<f64> = blocks.iter().filter(|b| b.1 == ride).map(|b| b.0).collect();
-        let n = own.len() as f64;
-        if n > 1.0 {
-            let mean = own.iter().sum::<f64>() / n;
-            *spread = own.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() * n / (n - 1.0);
-        }
-    }
-    let statistic: f64 = sums
-        .iter()
-        .zip(&spread)
-        .filter(|(s, _)| s[1] > 0.0)
-        .map(|([u, i], v)| u * u / i.max(*v))
-        .sum();
-    // A cause that does not act in a ride cannot disagree there.
-    let told = sums.iter().filter(|s| s[1] > 0.0).count();
-    ChiSquared::new(told.saturating_sub(1) as f64)
-        .ok()
-        .map(|d| d.sf(statistic))
 }
 
 /// Probes that still explain something.

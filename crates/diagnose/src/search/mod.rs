@@ -3,6 +3,7 @@
 pub mod answer;
 mod contender;
 mod decide;
+mod disagreement;
 pub mod experiment;
 mod faults;
 mod fitting;

@@ -40,6 +40,7 @@ pub struct Thresholds {
     pub unknown_p_value: f64,
     pub band_p_value: f64,
     pub agreement_p_value: f64,
+    pub agreement_share: f64,
     pub one_bicycle_p_value: f64,
     pub dead_input_gain: f64,
     pub dead_input_z: f64,
