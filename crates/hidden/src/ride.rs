@@ -33,6 +33,8 @@ pub struct Moment {
     pub yaw_rate_rad_s: f64,
     pub speed_m_s: f64,
     pub accel_m_s2: f64,
+    /// Just before the motors' torques step at this moment.
+    pub accel_before_m_s2: f64,
     /// As applied, in units of the torque sensor.
     pub steer_torque_nm: f64,
     pub pull_n: f64,
@@ -89,10 +91,18 @@ pub fn ride(truth: &Truth, course: &Course, seed: u64, delay: usize) -> Result<T
         if sample % decide_every == 0 {
             drive.asked_nm = rider.decide(&x, 0.0) + source.wish_nm(t);
         }
+        let before = motion.change(&x, &drive).accel_m_s2;
         source.longitudinal(&mut drive, &motion, t, x[state::SPEED]);
         for part in 0..parts {
             source.lateral(&mut drive, truth, t + part as f64 * step_s);
-            moments.push(moment(&motion, &x, &drive));
+            let mut moment = moment(&motion, &x, &drive);
+            if part == 0 {
+                moment.accel_before_m_s2 = before;
+            }
+            moments.push(moment);
+            // What is held over the step is the pull in its middle: that at its start would come half a
+            // step late.
+            drive.pull_n = source.pulls.at(t + (part as f64 + 0.5) * step_s);
             x = motion.step(&x, &drive, step_s);
         }
         let (roll, steer, v) = (x[state::ROLL], x[state::STEER], x[state::SPEED]);
@@ -209,6 +219,7 @@ fn moment(motion: &Motion, x: &State, drive: &Drive) -> Moment {
         yaw_rate_rad_s: change.yaw_rate_rad_s,
         speed_m_s: v,
         accel_m_s2: change.accel_m_s2,
+        accel_before_m_s2: change.accel_m_s2,
         steer_torque_nm: x[state::TORQUE],
         pull_n: drive.pull_n,
         front_brake_nm: drive.front_brake_nm,

@@ -28,6 +28,8 @@ pub struct ChannelKind {
     /// What a step of an input does.
     pub steps: bool,
     read: fn(&Moment) -> f64,
+    /// Of what steps with the motors: what it was just before.
+    before: fn(&Moment) -> f64,
 }
 
 /// Spread of the time between channels that should be simultaneous, and of the clock.
@@ -38,8 +40,10 @@ const COLOURED_RATIO: f64 = 0.15;
 const COLOURED_TIME_S: f64 = 0.1;
 
 macro_rules! channels {
+    (@before |$m:ident| $read:expr) => { |$m: &Moment| $read };
+    (@before |$m:ident| $read:expr, $before:expr) => { |$m: &Moment| $before };
     ($($name:ident: $column:literal $quantity:literal noise $noise:literal bias $bias:literal
-        quantum $quantum:literal lost $lost:literal steps $steps:literal |$m:ident| $read:expr;)*) => {
+        quantum $quantum:literal lost $lost:literal steps $steps:literal |$m:ident| $read:expr $(, before $before:expr)?;)*) => {
         $(pub const $name: ChannelKind = ChannelKind {
             column: $column,
             quantity: $quantity,
@@ -49,6 +53,7 @@ macro_rules! channels {
             lost: $lost,
             steps: $steps,
             read: |$m| $read,
+            before: channels!(@before |$m| $read $(, $before)?),
         };)*
     };
 }
@@ -63,7 +68,7 @@ channels! {
     ROLL_RATE: "roll_rate" "roll_rate_rad_s" noise 0.008 bias 0.01 quantum 0.001 lost 0.01 steps false |m| m.roll_rate_rad_s;
     STEER: "steer" "steer_rad" noise 0.002 bias 0.005 quantum 0.0005 lost 0.01 steps false |m| m.steer_rad;
     YAW_RATE: "yaw_rate" "yaw_rate_rad_s" noise 0.008 bias 0.01 quantum 0.001 lost 0.01 steps false |m| m.yaw_rate_rad_s;
-    ACCEL: "accel" "longitudinal_accel_m_s2" noise 0.05 bias 0.03 quantum 0.002 lost 0.01 steps false |m| m.accel_m_s2;
+    ACCEL: "accel" "longitudinal_accel_m_s2" noise 0.05 bias 0.03 quantum 0.002 lost 0.01 steps false |m| m.accel_m_s2, before m.accel_before_m_s2;
     FRONT_WHEEL: "front_wheel" "front_wheel_rate_rad_s" noise 0.03 bias 0.0 quantum 0.01 lost 0.01 steps false |m| m.front_wheel_rad_s;
     REAR_WHEEL: "rear_wheel" "rear_wheel_rate_rad_s" noise 0.03 bias 0.0 quantum 0.01 lost 0.01 steps false |m| m.rear_wheel_rad_s;
     CADENCE: "cadence" "cadence_rad_s" noise 0.02 bias 0.0 quantum 0.0 lost 0.0 steps false |m| m.cadence_rad_s;
@@ -145,7 +150,7 @@ fn reading(track: &Track, kind: &ChannelKind, s: &SensorTruth, direction: f64, t
         let b = if kind.steps {
             a
         } else {
-            (kind.read)(&track.moments[(k + 1).min(last)])
+            (kind.before)(&track.moments[(k + 1).min(last)])
         };
         a + part * (b - a)
     };

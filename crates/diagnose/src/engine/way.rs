@@ -1,13 +1,13 @@
 //! What: which rides went along the road, and which came back.
 //!
-//! Equation: the direction of the mean of (cos, sin) of the heading is the road's; rides within 45 degrees
-//! of the first one's road go along it (1), within 45 degrees of its opposite back (-1), others at its
-//! cosine.
+//! Equation: the direction of the mean of (cos, sin) of the heading in a ride's first seconds is the road's;
+//! rides within 45 degrees of the first one's road go along it (1), within 45 degrees of its opposite back
+//! (-1), others at its cosine.
 //!
 //! Source: mean of directions: K. V. Mardia and P. E. Jupp, Directional Statistics (2000), section 2.2.
 //!
-//! Assumes and ignores: a ride keeps to a road and weaves about it. Where the heading is not known, or goes
-//! round, a ride counts as going along.
+//! Assumes and ignores: a ride starts along its road; headings drift, bicycles that are pushed turn away, and
+//! neither turns the road. Where the heading is not known, or goes round, a ride counts as going along.
 //!
 //! Valid for: headings in one frame over all rides; an integrated gyro that starts at zero knows none.
 //!
@@ -19,6 +19,8 @@ use crate::quantity::Quantity;
 
 /// Length of the mean of the unit vectors from which on a ride has a direction.
 const LEAST_LENGTH: f64 = 0.5;
+/// Length of a start.
+const START_S: f64 = 2.0;
 
 /// Gives every ride its way; the road is that of the first ride to fit that has one. Held-out headings turn
 /// no ride that is fitted.
@@ -35,14 +37,17 @@ pub fn set(fit: &mut [Ride], held: &mut [Ride], data: &[RideData]) {
     }
 }
 
-/// Direction in these windows.
+/// Direction at the start of the first of these windows.
 fn road_rad(data: &RideData, windows: &[[f64; 2]]) -> Option<f64> {
     let heading = data
         .channels
         .iter()
         .find(|c| c.spec.quantity == Quantity::Yaw && !c.samples.is_empty())?;
-    let inside = |t: f64| windows.iter().any(|w| t >= w[0] && t < w[1]);
-    mean_direction_rad(heading.samples.iter().filter(|s| inside(s.0)).map(|s| s.1))
+    let from = windows.iter().map(|w| w[0]).fold(f64::INFINITY, f64::min);
+    let start = (heading.samples.iter())
+        .skip_while(|s| s.0 < from)
+        .take_while(|s| s.0 < from + START_S);
+    mean_direction_rad(start.map(|s| s.1))
 }
 
 fn mean_direction_rad(headings: impl Iterator<Item = f64>) -> Option<f64> {

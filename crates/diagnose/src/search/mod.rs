@@ -23,6 +23,7 @@ mod rides;
 mod run;
 mod score;
 mod screen;
+mod skew;
 mod step;
 mod testable;
 pub mod thresholds;

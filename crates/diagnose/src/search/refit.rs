@@ -18,6 +18,7 @@ use super::phases;
 use super::random;
 use super::rides::{Column, Passes, Rides};
 use super::score::active_columns;
+use super::skew;
 use super::step::bounded_step;
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
@@ -273,10 +274,11 @@ pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
     let own: Vec<Vec<Column>> = (0..best.model.active.len())
         .map(|i| active_columns(rides, &best, &passes, i))
         .collect();
-    let flat: Vec<&Column> = own.iter().flatten().collect();
+    let skew = skew::columns(rides, &best.model, &passes);
+    let flat: Vec<&Column> = skew.iter().chain(own.iter().flatten()).collect();
     let mut normal = best.columns.with(&flat);
-    let k = flat.len();
-    let m = best.columns.list.len() + k;
+    let k = flat.len() - skew.len();
+    let m = best.columns.list.len() + flat.len();
     for i in 0..m {
         normal[i * m + i] += if i < m - k {
             1.0

@@ -17,6 +17,7 @@
 use super::fitting::Baseline;
 use super::phases::by_ride;
 use super::rides::{Column, Passes, Rides};
+use super::skew;
 use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -63,6 +64,7 @@ pub struct Bench<'a> {
     pub rides: &'a Rides,
     pub baseline: &'a Baseline,
     pub passes: Passes,
+    /// Whitened innovations, what channels that lie apart in time explain taken off.
     pub residual: Column,
     pub nuisance: Vec<Column>,
     /// N'N + L, factored; none if there are no nuisances, or none that count.
@@ -98,11 +100,19 @@ impl<'a> Bench<'a> {
             nuisance.push(baseline.columns.list[*index].1.clone());
             precision.push(1.0);
         }
+        let mut residual = passes.whitened();
+        let mut slope = vec![0.0; nuisance.len()];
+        for column in skew::columns(rides, &baseline.model, &passes) {
+            slope.push(dot(&column, &residual));
+            nuisance.push(column);
+            precision.push(1.0);
+        }
         for index in 0..baseline.model.active.len() {
             for column in active_columns(rides, baseline, &passes, index) {
                 let weight = dot(&column, &column);
                 if weight > 0.0 {
                     precision.push(1e-6 * weight);
+                    slope.push(0.0);
                     nuisance.push(column);
                 }
             }
@@ -121,8 +131,18 @@ impl<'a> Bench<'a> {
             }
             normal[(i, i)] += precision[i];
         }
+        let factored = (m > 0).then(|| normal.cholesky()).flatten();
+        // What was fitted explains nothing more; channels that lie apart in time may.
+        if let Some(factored) = &factored {
+            let step = factored.solve(&DVector::from_vec(slope));
+            for (size, column) in step.iter().zip(&nuisance) {
+                for (e, n) in residual.iter_mut().zip(column) {
+                    *e -= size * n;
+                }
+            }
+        }
         Some(Self {
-            residual: passes.whitened(),
+            residual,
             blocks: ids.len(),
             ride: stamps.iter().map(|s| s.0).collect(),
             block,
@@ -130,7 +150,7 @@ impl<'a> Bench<'a> {
             baseline,
             passes,
             nuisance,
-            factored: (m > 0).then(|| normal.cholesky()).flatten(),
+            factored,
         })
     }
 
@@ -186,8 +206,11 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Tests a mechanism.
+    /// Tests a mechanism; one that is random shows in no mean.
     pub fn score(&self, mechanism: &'static dyn Mechanism) -> Option<Score> {
+        if mechanism.is_random() {
+            return None;
+        }
         let columns = self.columns(mechanism);
         self.score_columns(mechanism, columns)
     }

@@ -38,6 +38,7 @@ pub struct Thresholds {
     pub foreseeable_vaf: f64,
     pub most_vaf_loss: f64,
     pub unknown_p_value: f64,
+    pub refuted_share: f64,
     pub band_p_value: f64,
     pub agreement_p_value: f64,
     pub agreement_share: f64,

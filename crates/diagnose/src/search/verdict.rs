@@ -87,14 +87,20 @@ pub fn judge(answer: &mut Answer, found: &Found, decided: bool) {
 }
 
 /// What the first tests saw beyond doubt, though nothing of it held on rides that were held out: silence
-/// would be wrong. What the clocks cannot tell is not beyond doubt.
+/// would be wrong. What the clocks cannot tell is not beyond doubt, nor what the fit does not bear out: half
+/// of the statistic are the nats that it promises.
 fn unexplained(found: &Found) -> Option<Where> {
     let is_clock = |s: &&Score| found.within_clock.contains(&s.mechanism.card().name);
+    let is_refuted = |s: &&Score| {
+        let fits = (found.contenders.iter()).filter(|c| c.0 == s.mechanism.card().name);
+        let best = fits.map(|c| c.1).reduce(f64::max);
+        best.is_some_and(|nats| nats < 0.5 * THRESHOLDS.refuted_share * s.statistic)
+    };
     let strongest = found
         .first
         .iter()
         .filter_map(|t| t.score.as_ref())
-        .filter(|s| !is_clock(s))
+        .filter(|s| !is_clock(s) && !is_refuted(s))
         .min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         .filter(|s| s.p_value < THRESHOLDS.unknown_p_value)?;
     let card = strongest.mechanism.card();
