@@ -13,6 +13,7 @@ mod latent;
 mod levels;
 mod limits;
 mod locate;
+mod matched;
 mod modes;
 pub mod phases;
 mod pictures;

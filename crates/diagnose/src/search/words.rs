@@ -1,6 +1,6 @@
 //! The answer in sentences.
 
-use super::answer::{Answer, Verdict};
+use super::answer::{Answer, Verdict, Where};
 
 /// The first sentence is the verdict.
 pub fn statements(answer: &Answer) -> Vec<String> {
@@ -64,16 +64,26 @@ pub fn statements(answer: &Answer) -> Vec<String> {
             ));
         }
     }
-    for place in answer.places.iter().filter(|_| answer.causes.is_empty()) {
+    let is_told = |p: &&Where| answer.causes.is_empty() || p.order.is_some() && p.with.is_none();
+    for place in answer.places.iter().filter(is_told) {
         let band = place
             .band_hz
             .map_or(String::new(), |[a, b]| format!(", {a:.2} to {b:.2} Hz"));
+        let order = place.order.as_ref().map_or(String::new(), |o| {
+            format!(", order {} of the {}", o.n, o.of)
+        });
+        let when = place
+            .time_s
+            .zip(place.ride.as_ref())
+            .map_or(String::new(), |([a, b], ride)| {
+                format!(", at {a:.0} to {b:.0} s of {ride}")
+            });
         let with = place
             .with
             .as_ref()
             .map_or(String::new(), |w| format!(", goes with {w}"));
         all.push(format!(
-            "{} equation{band}{with} (p = {:.1e})",
+            "{} equation{band}{order}{when}{with} (p = {:.1e})",
             place.equation, place.p_value
         ));
     }
