@@ -240,6 +240,28 @@ fn without_its_name_in_the_library_nothing_else_is_confirmed() {
     }
 }
 
+/// A line is too narrow for any band: without its name the order says where it lies.
+#[test]
+fn what_turns_with_a_part_is_seen_without_its_name() {
+    for (name, seed, of) in [
+        ("wheel_imbalance", 6, "wheel"),
+        ("pedalling_torque", 5, "cadence"),
+    ] {
+        let mut scenario = hidden(name, seed);
+        if name == "wheel_imbalance" {
+            scenario = scenario.sized(&[4e-4]);
+        }
+        let found = Set::new(&scenario).diagnose(&Ask {
+            without: vec![name.to_owned()],
+            ..Ask::default()
+        });
+        assert_eq!(found.verdict, "unknown", "{}", said(&found));
+        let orders = found.places.iter().filter_map(|p| p.order.as_ref());
+        let parts: Vec<&str> = orders.map(|o| o.of.as_str()).collect();
+        assert!(parts.contains(&of), "{name}: {:?}", found.places);
+    }
+}
+
 #[test]
 fn inputs_of_another_time_are_bad_data() {
     let mut scenario = Scenario::new(Kind::Shifted, 31);

@@ -139,6 +139,7 @@ fn outside_the_library_a_name_is_wrong_and_the_place_counts() {
     let place = |equation: &str, band: [f64; 2]| {
         let mut found = says("unknown", &[]);
         found.places = vec![crate::reading::Located {
+            order: None,
             equation: equation.to_owned(),
             band_hz: Some(band),
         }];

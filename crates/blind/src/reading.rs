@@ -22,11 +22,20 @@ pub struct Reading {
     pub scores: BTreeMap<String, Score>,
 }
 
+/// Multiple of the rate of a part that turns.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Order {
+    pub of: String,
+    pub n: u32,
+}
+
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Located {
     pub equation: String,
     #[serde(default)]
     pub band_hz: Option<[f64; 2]>,
+    #[serde(default)]
+    pub order: Option<Order>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -11,6 +11,19 @@ use std::collections::BTreeMap;
 pub struct Blocks(BTreeMap<(usize, i64), f64>);
 
 impl Blocks {
+    /// Number of the block of each reading, from its ride and time.
+    pub fn numbers(stamps: &[(usize, f64)]) -> Vec<usize> {
+        let mut ids: BTreeMap<(usize, i64), usize> = BTreeMap::new();
+        stamps
+            .iter()
+            .map(|(ride, t)| {
+                let key = (*ride, libm::floor(t / THRESHOLDS.block_s) as i64);
+                let next = ids.len();
+                *ids.entry(key).or_insert(next)
+            })
+            .collect()
+    }
+
     /// Predicts rides with a model, which finds the phases of each.
     pub fn new(rides: &Rides, model: &Model) -> Option<Self> {
         let passes = Passes::run(rides, &phases::found(rides, model)?, false)?;

@@ -12,6 +12,7 @@
 //!
 //! Checked by: `tests` of the search.
 
+use super::decide::Blocks;
 use super::fitting::{Baseline, Columns, moved};
 use super::levels::fit_levels;
 use super::phases;
@@ -268,7 +269,18 @@ fn are_levels_off(rides: &Rides, fit: &Baseline) -> Option<bool> {
     )
 }
 
-/// Uncertainties of a fit.
+/// Variance of the estimate `row` times the columns' scores, from its parts in the blocks: with more noise
+/// than the levels say, or noise that is not white, it is larger than the information lets expect.
+fn between_blocks(row: &[f64], columns: &[&Column], residual: &Column, block: &[usize]) -> f64 {
+    let mut sums = vec![0.0; block.iter().max().map_or(0, |b| b + 1)];
+    for (k, b) in block.iter().enumerate() {
+        let influence: f64 = row.iter().zip(columns).map(|(c, g)| c * g[k]).sum();
+        sums[*b] += influence * residual[k];
+    }
+    sums.iter().map(|s| s * s).sum()
+}
+
+/// Uncertainties of a fit: the classical ones, or those of the blocks where these are larger.
 pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
     let passes = Passes::run(rides, &best.model, true)?;
     let own: Vec<Vec<Column>> = (0..best.model.active.len())
@@ -289,28 +301,29 @@ pub fn finish(rides: &Rides, mut best: Baseline) -> Option<Refit> {
     let units: Vec<Vec<f64>> = (m - k..m)
         .map(|i| (0..m).map(|j| if i == j { 1.0 } else { 0.0 }).collect())
         .collect();
-    let covariance: Vec<Vec<f64>> = if k == 0 {
+    let rows: Vec<Vec<f64>> = if k == 0 {
         vec![]
     } else {
         solve(&normal, &units)?
-            .iter()
-            .map(|c| c[m - k..].to_vec())
-            .collect()
     };
-    let mut index = 0;
-    let sd = best
+    let columns: Vec<&Column> = (best.columns.list.iter().map(|(_, c)| c))
+        .chain(flat.iter().copied())
+        .collect();
+    let block = Blocks::numbers(&passes.stamps(rides));
+    let residual = passes.whitened();
+    let mut rows = rows.iter().enumerate().map(|(i, row)| {
+        let classical = row[m - k + i];
+        classical
+            .max(between_blocks(row, &columns, &residual, &block))
+            .max(0.0)
+            .sqrt()
+    });
+    let sd: Vec<Vec<f64>> = best
         .model
         .active
         .iter()
-        .map(|a| {
-            a.p.iter()
-                .map(|_| {
-                    index += 1;
-                    covariance[index - 1][index - 1].max(0.0).sqrt()
-                })
-                .collect()
-        })
-        .collect::<Vec<Vec<f64>>>();
+        .map(|a| rows.by_ref().take(a.p.len()).collect())
+        .collect();
     let random = |(index, own): (usize, Vec<f64>)| {
         if best.model.active[index].mechanism.is_random() {
             random::errors(rides, &best, index)

@@ -14,6 +14,7 @@
 //!
 //! Checked by: `tests`: against refits, and p-values on clean rides.
 
+use super::decide::Blocks;
 use super::fitting::Baseline;
 use super::phases::by_ride;
 use super::rides::{Column, Passes, Rides};
@@ -22,7 +23,6 @@ use super::thresholds::THRESHOLDS;
 use crate::engine::small::{dot, solve};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use std::collections::BTreeMap;
 use twinhub_mechanism::Mechanism;
 
 /// A mechanism under test.
@@ -80,15 +80,7 @@ impl<'a> Bench<'a> {
     pub fn new(rides: &'a Rides, baseline: &'a Baseline) -> Option<Self> {
         let passes = Passes::run(rides, &baseline.model, true)?;
         let stamps = passes.stamps(rides);
-        let mut ids: BTreeMap<(usize, i64), usize> = BTreeMap::new();
-        let block: Vec<usize> = stamps
-            .iter()
-            .map(|(ride, t)| {
-                let key = (*ride, libm::floor(t / THRESHOLDS.block_s) as i64);
-                let next = ids.len();
-                *ids.entry(key).or_insert(next)
-            })
-            .collect();
+        let block = Blocks::numbers(&stamps);
         let limit = THRESHOLDS.calibration_box_sd - 1e-6;
         let mut nuisance: Vec<Column> = vec![];
         let mut precision = vec![];
@@ -143,7 +135,7 @@ impl<'a> Bench<'a> {
         }
         Some(Self {
             residual,
-            blocks: ids.len(),
+            blocks: block.iter().max().map_or(0, |b| b + 1),
             ride: stamps.iter().map(|s| s.0).collect(),
             block,
             rides,
