@@ -2,22 +2,16 @@
 
 mod front_motor_gain;
 mod front_motor_lag;
-mod lateral_force_delay;
 mod lateral_force_gain;
 mod motor_saturation;
 mod rear_motor_gain;
 mod rear_motor_lag;
-mod steer_torque_bias;
-mod steer_torque_delay;
 mod steer_torque_gain;
 
 pub use front_motor_gain::FrontMotorGain;
 pub use front_motor_lag::FrontMotorLag;
-pub use lateral_force_delay::LateralForceDelay;
 pub use lateral_force_gain::LateralForceGain;
 pub use motor_saturation::MotorSaturation;
 pub use rear_motor_gain::RearMotorGain;
 pub use rear_motor_lag::RearMotorLag;
-pub use steer_torque_bias::SteerTorqueBias;
-pub use steer_torque_delay::SteerTorqueDelay;
 pub use steer_torque_gain::SteerTorqueGain;

@@ -2,32 +2,20 @@
 
 mod gyro_misalignment;
 mod rider_delay;
-mod roll_rate_sensor_bias;
 mod roll_rate_sensor_delay;
-mod roll_rate_sensor_scale;
 mod roll_sensor_bias;
-mod roll_sensor_delay;
 mod speed_quantisation;
 mod speed_scale;
 mod steer_sensor_bias;
 mod steer_sensor_delay;
 mod steer_sensor_scale;
-mod yaw_rate_sensor_bias;
-mod yaw_rate_sensor_delay;
-mod yaw_rate_sensor_scale;
 
 pub use gyro_misalignment::GyroMisalignment;
 pub use rider_delay::RiderDelay;
-pub use roll_rate_sensor_bias::RollRateSensorBias;
 pub use roll_rate_sensor_delay::RollRateSensorDelay;
-pub use roll_rate_sensor_scale::RollRateSensorScale;
 pub use roll_sensor_bias::RollSensorBias;
-pub use roll_sensor_delay::RollSensorDelay;
 pub use speed_quantisation::SpeedQuantisation;
 pub use speed_scale::SpeedScale;
 pub use steer_sensor_bias::SteerSensorBias;
 pub use steer_sensor_delay::SteerSensorDelay;
 pub use steer_sensor_scale::SteerSensorScale;
-pub use yaw_rate_sensor_bias::YawRateSensorBias;
-pub use yaw_rate_sensor_delay::YawRateSensorDelay;
-pub use yaw_rate_sensor_scale::YawRateSensorScale;
