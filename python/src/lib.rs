@@ -6,6 +6,7 @@
 mod batch;
 mod bicycle;
 mod controller;
+mod design;
 mod diagnose;
 mod errors;
 mod league;
@@ -28,6 +29,8 @@ mod _twinhub {
     use crate::bicycle::{bicycles, parameter_units, parameters};
     #[pymodule_export]
     use crate::controller::{PyController, law_kinds, laws};
+    #[pymodule_export]
+    use crate::design::design;
     #[pymodule_export]
     use crate::diagnose::{diagnose, experiment};
     #[pymodule_export]

@@ -1,6 +1,6 @@
 //! `twinhub design`: schedules with their proof.
 
-use crate::design_print::{page, print, to_json};
+use crate::design_print::{page, print};
 use crate::exit::{bad_input, environment, interrupted};
 use crate::interrupt::on_ctrl_c;
 use crate::span::numbers;
@@ -10,24 +10,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
-use twinhub_design::certificate::{Entry, Plan};
-use twinhub_design::family::FactorBox;
-use twinhub_design::loops::Rider;
+use twinhub_design::ask::Ask;
 use twinhub_design::plan::{Progress, run as design};
 use twinhub_design::program::Cones;
+use twinhub_design::summary::summary;
 use twinhub_design::{DesignError, law};
 use twinhub_plant::bicycles::load_multibody;
 use twinhub_plant::multibody::Parameters;
-use twinhub_plant::rider::design::Hands;
-use twinhub_plant::rider::presets::{PRESETS, preset};
 use twinhub_report::design::design_page;
-
-/// Widest box of mass and of tyre load that is tried for a quick rider.
-const BOX_WIDTH: f64 = 0.1;
-/// Largest ratio of twisting torque in a box that is tried for a quick rider.
-const BOX_RATIO: f64 = 1.26;
-/// Riders with a longer delay get boxes half as large, s.
-const QUICK_DELAY_S: f64 = 0.15;
 
 /// The schedule of a pair for a bicycle, with a certificate: riders who are used to it stay up at
 /// every speed and pair of a tube, whatever mass, tyre load and twisting torque are within what is
@@ -104,7 +94,7 @@ pub struct DesignArgs {
 /// # Errors
 /// If an argument is wrong (2), a file cannot be written (3), or the user stops it (130).
 pub fn run(args: &DesignArgs) -> anyhow::Result<ExitCode> {
-    let plan = plan(args).map_err(bad_input)?;
+    let plan = ask(args).map_err(bad_input)?.plan().map_err(kind)?;
     let parameters = bicycle(&plan.bicycle)?;
     let stop = on_ctrl_c()?;
     let bar = ProgressBar::new(0);
@@ -135,7 +125,7 @@ pub fn run(args: &DesignArgs) -> anyhow::Result<ExitCode> {
             .map_err(|e| environment(anyhow!("{}: {e}", path.display())))?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&to_json(&certificate))?);
+        println!("{}", serde_json::to_string_pretty(&summary(&certificate))?);
     } else {
         print(&certificate);
         if let Some(out) = &args.out {
@@ -174,58 +164,33 @@ pub fn beside(law: &Path) -> PathBuf {
     law.with_extension("certificate.json")
 }
 
-fn plan(args: &DesignArgs) -> anyhow::Result<Plan> {
-    let pair = |flag: &str, text: &str| -> anyhow::Result<[f64; 2]> {
-        let parts: Vec<f64> = text
-            .split(':')
-            .filter_map(|p| p.trim().parse().ok())
-            .collect();
-        match parts[..] {
-            [a, b] if text.matches(':').count() == 1 => Ok([a, b]),
-            _ => Err(anyhow!(
-                "{flag} `{text}`: accepted: A:B, for instance 0.5:2"
-            )),
-        }
-    };
-    let around = |flag: &str, share: f64| {
-        if (0.0..=0.9).contains(&share) {
-            Ok([1.0 - share, 1.0 + share])
-        } else {
-            Err(anyhow!("{flag} {share}: accepted: 0 to 0.9"))
-        }
-    };
-    let uncertainty = FactorBox {
-        mass: around("--mass", args.mass)?,
-        load: around("--load", args.load)?,
-        twisting: pair("--twisting", &args.twisting)?,
-    };
-    let boxes = args.boxes.as_deref().map(parts).transpose()?;
-    let riders: anyhow::Result<Vec<Entry>> = args
-        .riders
-        .iter()
-        .map(|text| {
-            let rider = rider(text)?;
-            let parts = boxes.unwrap_or_else(|| usual(&uncertainty, &rider));
-            Ok(Entry { rider, parts })
-        })
+fn ask(args: &DesignArgs) -> anyhow::Result<Ask> {
+    let twisting: Vec<f64> = (args.twisting.split(':'))
+        .filter_map(|p| p.trim().parse().ok())
         .collect();
-    let plan = Plan {
+    let [from, to] = twisting[..] else {
+        return Err(anyhow!(
+            "--twisting `{}`: accepted: A:B, for instance 0.5:2",
+            args.twisting
+        ));
+    };
+    Ok(Ask {
         bicycle: args.bicycle.clone(),
-        joints_free: args.free_joints,
-        riders: riders?,
-        uncertainty,
+        riders: args.riders.clone(),
+        mass: args.mass,
+        load: args.load,
+        twisting: [from, to],
+        boxes: args.boxes.as_deref().map(parts).transpose()?,
         speeds_m_s: numbers("--speeds-m-s", &args.speeds_m_s, "m/s", 0.5)?,
-        torque_max_nm: args.torque_nm,
+        torque_nm: args.torque_nm,
         half_width_nm: args.half_width_nm,
         rate_m_s2: args.rate_m_s2,
         slope_nm_per_m_s: args.slope,
         loss_growth_per_s: args.loss_growth_per_s,
-        friction_ratio: args.friction,
+        friction: args.friction,
+        free_joints: args.free_joints,
         cones: cones(&args.cones)?,
-    };
-    plan.check()?;
-    plan.cones.check()?;
-    Ok(plan)
+    })
 }
 
 fn cones(text: &str) -> anyhow::Result<Cones> {
@@ -249,56 +214,4 @@ fn parts(text: &str) -> anyhow::Result<[usize; 3]> {
             "--boxes `{text}`: accepted: three numbers above 0, for instance 2,2,6"
         )),
     }
-}
-
-/// Boxes of a size that can be proved as a rule.
-fn usual(uncertainty: &FactorBox, rider: &Rider) -> [usize; 3] {
-    let finer = if rider.delay_s <= QUICK_DELAY_S {
-        1.0
-    } else {
-        2.0
-    };
-    let even = |[a, b]: [f64; 2]| ((b - a) / BOX_WIDTH * finer - 1e-9).ceil().max(1.0) as usize;
-    let [a, b] = uncertainty.twisting;
-    let ratio = ((b / a).ln() / BOX_RATIO.ln() * finer - 1e-9)
-        .ceil()
-        .max(1.0) as usize;
-    [even(uncertainty.mass), even(uncertainty.load), ratio]
-}
-
-fn rider(text: &str) -> anyhow::Result<Rider> {
-    let names = || {
-        PRESETS
-            .iter()
-            .filter(|p| p.arms.is_none())
-            .map(|p| p.name)
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let of = |name: &str, delay_s: Option<f64>| -> Option<Rider> {
-        let preset = preset(name).filter(|p| p.arms.is_none())?;
-        let Hands::Torque { channel, .. } = preset.hands() else {
-            return None;
-        };
-        Some(Rider {
-            name: text.to_owned(),
-            delay_s: delay_s.unwrap_or(channel.delay_s),
-            lag_rad_s: channel.neuromuscular_rad_s,
-            lag_damping_ratio: channel.neuromuscular_damping_ratio,
-        })
-    };
-    let found = match text.split_once(':') {
-        None => of(text, None),
-        // Another delay, the muscles of everybody.
-        Some((_, delay)) => match delay.parse::<f64>() {
-            Ok(delay_s) => of("young", Some(delay_s)),
-            Err(_) => None,
-        },
-    };
-    found.ok_or_else(|| {
-        anyhow!(
-            "rider `{text}`: accepted: {}, or NAME:DELAY_S as somebody:0.15",
-            names()
-        )
-    })
 }

@@ -1,18 +1,9 @@
-//! What `twinhub design` prints: text, JSON, a page.
+//! What `twinhub design` prints: text, a page.
 
-use twinhub_design::certificate::{Certificate, Node, Stop};
+use twinhub_design::certificate::{Certificate, Stop};
 use twinhub_design::check;
+use twinhub_design::summary::worst;
 use twinhub_report::design::DesignPage;
-
-/// The largest value of all riders and boxes at each node.
-fn worst(certificate: &Certificate, value: fn(&Node) -> f64) -> Vec<f64> {
-    (0..certificate.schedule.len())
-        .map(|k| {
-            let values = certificate.pieces.iter().map(|p| value(&p.nodes[k]));
-            values.fold(f64::NEG_INFINITY, f64::max)
-        })
-        .collect()
-}
 
 fn because(stop: &Stop) -> String {
     if stop.because.is_empty() {
@@ -20,21 +11,6 @@ fn because(stop: &Stop) -> String {
     } else {
         stop.because.join(", or ")
     }
-}
-
-/// The answer as JSON.
-pub fn to_json(certificate: &Certificate) -> serde_json::Value {
-    let nodes = |value| worst(certificate, value);
-    serde_json::json!({
-        "bicycle": certificate.plan.bicycle,
-        "plan": certificate.plan,
-        "schedule": certificate.schedule,
-        "cells_proved": certificate.cells,
-        "proved_m_s": check::stretches(&certificate.schedule, &certificate.cells),
-        "growth_per_s": nodes(|n| n.growth_per_s),
-        "loss_growth_per_s": nodes(|n| n.loss_growth_per_s),
-        "stops": certificate.stops,
-    })
 }
 
 /// The answer as text.

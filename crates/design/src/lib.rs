@@ -5,6 +5,7 @@
 //! [`plan::run`] finds a schedule and proves it, [`check::check`] checks the proof without a solver,
 //! [`oracle`] is the allocation's problem.
 
+pub mod ask;
 pub mod certificate;
 pub mod check;
 pub mod cone;
@@ -21,8 +22,10 @@ pub mod proof;
 pub mod schedule;
 pub mod start;
 pub mod stops;
+pub mod summary;
 pub mod symmetric;
 
+pub use ask::Ask;
 pub use certificate::{Certificate, Plan};
 pub use oracle::{Oracle, OracleError, Power, Road, Wish};
 

@@ -13,6 +13,7 @@ the right.
 * `courses`, `ride`: a simulated ride, as numpy columns; `batch`: many of them, on all cores.
 * `laws`, `Controller`: the stabilizer itself, tick by tick, and what it believes (`Known`).
 * `tune`: schedules, ramps and thresholds against effort, falls and energy.
+* `design`: schedules with a proof.
 * `league`: controllers against each other over a population of riders.
 * `diagnose`, `experiment`: what the model gets wrong about measured rides, and why.
 * ``twinhub.gym``: a Gymnasium environment.
@@ -23,6 +24,7 @@ the right.
 from ._batch import Batch, batch
 from ._bicycle import bicycles, parameter_units, parameters
 from ._controller import Controller, laws
+from ._design import Design, design
 from ._diagnose import Diagnosis, Experiment, diagnose, experiment
 from ._league import League, league, merge_leagues
 from ._linear import Gradients, Linear, gradients, linearise
@@ -69,6 +71,7 @@ __all__ = [
     "Controller",
     "Course",
     "Crossing",
+    "Design",
     "Diagnosis",
     "Estimate",
     "Event",
@@ -116,6 +119,7 @@ __all__ = [
     "batch",
     "bicycles",
     "courses",
+    "design",
     "diagnose",
     "effort_nm",
     "energy_wh_per_km",

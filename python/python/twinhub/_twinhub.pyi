@@ -12,6 +12,7 @@ __all__ = [
     "batch",
     "bicycles",
     "courses",
+    "design",
     "diagnose",
     "experiment",
     "frontier_picture",
@@ -123,6 +124,7 @@ def linearise(
 def gradients(
     bicycle: str, speed_m_s: float, torque_nm: float, mode: str, assignments: list[str]
 ) -> dict[str, Any]: ...
+def design(ask: str, progress: Callable[[str], object] | None) -> tuple[str, str, str]: ...
 def diagnose(
     study: str,
     data: str | None,
