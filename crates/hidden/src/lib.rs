@@ -17,6 +17,7 @@
 pub mod bicycle;
 pub mod course;
 pub mod effect;
+mod grip;
 pub mod lateral;
 pub mod motion;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! How well a model predicts: free runs from the predictor's state, by channel and horizon, with the
 //! same horizons and restarts as `compare`.
 
-use super::lateral;
+use super::free::free_runs;
 use super::pass::{Pass, Prepared};
 use super::setup::{Model, Setup};
 use super::speed;
@@ -62,7 +62,7 @@ pub fn forecast(rides: &[Prepared], model: &Model) -> Option<Forecast> {
         let mut pass = Pass::empty(&course);
         let paces = speed::run(ride, &course, &setup, model, &mut pass);
         let mut runs: Vec<(f64, Vec<(usize, f64)>)> =
-            lateral::free_runs(ride, &course, &setup, model, &paces, longest, RESTART_S)
+            free_runs(ride, &course, &setup, model, &paces, longest, RESTART_S)
                 .into_iter()
                 .map(|r| (r.start_s, r.said))
                 .collect();

@@ -55,67 +55,6 @@ pub(super) struct Work<'a> {
     pub(super) said: Vec<(usize, f64)>,
 }
 
-/// A free run: when it started, and what it says of each reading that it met.
-pub struct FreeRun {
-    pub start_s: f64,
-    /// Reading, and what it should be.
-    pub said: Vec<(usize, f64)>,
-}
-
-/// Free runs of up to `horizon_s`, started every `restart_s` within each window.
-pub fn free_runs(
-    ride: &Ride,
-    course: &Course,
-    setup: &Setup,
-    model: &Model,
-    paces: &[Pace],
-    horizon_s: f64,
-    restart_s: f64,
-) -> Vec<FreeRun> {
-    let mut pass = Pass::empty(course);
-    let mut runs = vec![];
-    let mut next_s = f64::INFINITY;
-    walk(
-        ride,
-        course,
-        setup,
-        model,
-        paces,
-        &mut pass,
-        &mut |work, index| {
-            let step = &course.steps[index];
-            if step.fresh {
-                next_s = step.t_s + restart_s;
-            }
-            if step.t_s < next_s - 1e-6 {
-                return;
-            }
-            next_s += restart_s;
-            let mut free = work.clone();
-            free.blind = true;
-            let mut sink = Pass::empty(course);
-            let mut pace = paces[index];
-            for (k, later) in course.steps.iter().enumerate().skip(index + 1) {
-                if later.fresh || later.t_s > step.t_s + horizon_s + 1e-6 {
-                    break;
-                }
-                let slip = if later.dt_s > 0.0 {
-                    free.advance(later, &pace, &paces[k], &mut sink)
-                } else {
-                    0.0
-                };
-                free.read(course, k, &paces[k], slip, &mut sink);
-                pace = paces[k];
-            }
-            runs.push(FreeRun {
-                start_s: step.t_s,
-                said: std::mem::take(&mut free.said),
-            });
-        },
-    );
-    runs
-}
-
 /// Runs the predictor; `paces` holds the pace at the end of each step.
 pub fn run(
     ride: &Ride,
@@ -128,7 +67,8 @@ pub fn run(
     walk(ride, course, setup, model, paces, pass, &mut |_, _| {});
 }
 
-fn walk(
+/// Runs the predictor, and looks at it after every step.
+pub(super) fn walk(
     ride: &Ride,
     course: &Course,
     setup: &Setup,
@@ -240,7 +180,7 @@ impl Work<'_> {
     }
 
     /// Over one step; gives the yaw rate that slip adds at its end.
-    fn advance(
+    pub(super) fn advance(
         &mut self,
         step: &super::course::Step,
         from: &Pace,

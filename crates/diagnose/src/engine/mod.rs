@@ -7,6 +7,7 @@ mod acting;
 pub mod course;
 mod flow;
 pub mod forecast;
+mod free;
 mod lateral;
 mod layout;
 mod linear;
